@@ -1,0 +1,142 @@
+"""Trimming: how close a point comes to the cutter over a whole exact motion.
+
+The signed distance F(t) of a fixed point to a moving convex cutter is semi-convex: with K a bound on the
+second derivative of the point as the tool sees it, F(t + s) >= F + F' s - K s²/2. Stretches of the motion
+whose bound from both ends stays above the least distance found are dropped, the others halved.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gearsim.cutters.profile import Profile
+from gearsim.motion.sources import MotionSource
+
+_CHUNK = 1 << 19
+_LEVELS = 100
+_TOLERANCE = 1e-11
+_CURVATURE_MARGIN = 1.3
+
+
+class _Stretches(NamedTuple):
+    """Stretches [a, b] of a piece, each for one point: distance and rate at both ends, curvature bound."""
+
+    point: NDArray
+    piece: NDArray
+    a: NDArray
+    b: NDArray
+    fa: NDArray
+    fb: NDArray
+    ra: NDArray
+    rb: NDArray
+    curvature: NDArray
+
+
+def distance_rate(
+    cutter: Profile, points: NDArray, tip: NDArray, axis: NDArray, tip_rate: NDArray, axis_rate: NDArray
+) -> tuple[NDArray, NDArray]:
+    """Signed distance [mm] of points to the cutter at poses, and its derivative by the motion's parameter.
+
+    All vectors broadcast to shape (..., 3).
+    """
+    q = points - tip
+    z = _dot(q, axis)
+    w = q - z[..., None] * axis
+    r = np.sqrt(_dot(w, w))
+    distance, nr, nz = cutter.distance_gradient(r, z)
+    sideways = _dot(w, axis_rate)
+    with np.errstate(invalid="ignore", divide="ignore"):
+        r_rate = np.where(r > 0.0, -(_dot(w, tip_rate) + z * sideways) / r, 0.0)
+    return distance, nr * r_rate + nz * (sideways - _dot(tip_rate, axis))
+
+
+def path_distance(source: MotionSource, cutter: Profile, points: NDArray, spacing: float = 0.25) -> NDArray:
+    """Least signed distance [mm] over the whole motion, shape (n,), of points, shape (n, 3), to 1e-11 mm.
+
+    Starts from samples between which no tool point moves more than about ``spacing`` [mm].
+    """
+    piece, t, curvature = _samples(source, cutter, spacing)
+    tip, axis = (s.derivatives() for s in source.pose(piece, t, 1))
+    inner = np.flatnonzero(piece[1:] == piece[:-1])
+    least = np.empty(len(points))
+    step = max(1, _CHUNK // len(t))
+    for begin in range(0, len(points), step):
+        chunk = points[begin : begin + step]
+        f, rate = distance_rate(cutter, chunk[:, None], tip[0], axis[0], tip[1], axis[1])
+        lowest = f.min(axis=1)
+        bound = _bound(
+            t[inner + 1] - t[inner], f[:, inner], f[:, inner + 1], rate[:, inner], rate[:, inner + 1],
+            curvature[inner],
+        )  # fmt: skip
+        point, k = np.nonzero(bound < lowest[:, None] - _TOLERANCE)
+        i = inner[k]
+        stretches = _Stretches(
+            point, piece[i], t[i], t[i + 1], f[point, i], f[point, i + 1], rate[point, i],
+            rate[point, i + 1], curvature[i],
+        )  # fmt: skip
+        least[begin : begin + step] = _refine(source, cutter, chunk, lowest, stretches)
+    return least
+
+
+def _samples(source: MotionSource, cutter: Profile, spacing: float) -> tuple[NDArray, NDArray, NDArray]:
+    """Pieces, parameters and curvature bounds of the samples; both ends of every piece are among them."""
+    piece = np.repeat(np.arange(source.pieces), 9)
+    tip, axis = source.pose(piece, np.tile(np.linspace(0.0, 1.0, 9), source.pieces), 2)
+    (travel, bending), (spin, swing) = (
+        [np.linalg.norm(d, axis=1) for d in s.derivatives()[1:]] for s in (tip, axis)
+    )
+    reach = cutter.reach
+    speed = (travel + reach * spin).reshape(-1, 9).max(axis=1)
+    curvature = (bending + reach * swing + spin * (2.0 * travel + spin * reach)).reshape(-1, 9).max(axis=1)
+    count = np.maximum(1, np.ceil(speed / spacing).astype(int)) + 1
+    index = np.arange(count.sum()) - np.repeat(np.cumsum(count) - count, count)
+    return (
+        np.repeat(np.arange(source.pieces), count),
+        index / np.repeat(count - 1, count),
+        np.repeat(_CURVATURE_MARGIN * curvature, count),
+    )
+
+
+def _bound(width: NDArray, fa: NDArray, fb: NDArray, ra: NDArray, rb: NDArray, curvature: NDArray) -> NDArray:
+    """Lower bound of the distance on stretches: where the two parabolas from the ends cross."""
+    half = 0.5 * curvature * width
+    with np.errstate(invalid="ignore", divide="ignore"):
+        s = (fb - fa - (rb + half) * width) / (ra - rb - 2.0 * half)
+    s = np.clip(np.nan_to_num(s, nan=0.0), 0.0, width)
+    return np.minimum(np.minimum(fa, fb), fa + ra * s - 0.5 * curvature * s * s)
+
+
+def _refine(
+    source: MotionSource, cutter: Profile, points: NDArray, least: NDArray, live: _Stretches
+) -> NDArray:
+    """Least distance per point after splitting every stretch that may hold less."""
+    for level in range(_LEVELS):
+        if not len(live.point):
+            break
+        x = 0.5 * (live.a + live.b) if level % 2 else _secant(live)
+        tip, axis = (s.derivatives() for s in source.pose(live.piece, x, 1))
+        f, rate = distance_rate(cutter, points[live.point], tip[0], axis[0], tip[1], axis[1])
+        np.minimum.at(least, live.point, f)
+        halves = [live._replace(b=x, fb=f, rb=rate), live._replace(a=x, fa=f, ra=rate)]
+        live = _Stretches(*(np.concatenate(columns) for columns in zip(*halves, strict=True)))
+        bound = _bound(live.b - live.a, live.fa, live.fb, live.ra, live.rb, live.curvature)
+        keep = bound < least[live.point] - _TOLERANCE
+        live = _Stretches(*(column[keep] for column in live))
+    return least
+
+
+def _secant(live: _Stretches) -> NDArray:
+    """Near the minimum that the rates point to if they straddle zero, else the middle of each stretch."""
+    width = live.b - live.a
+    with np.errstate(invalid="ignore", divide="ignore"):
+        secant = (live.a * live.rb - live.b * live.ra) / (live.rb - live.ra)
+    straddle = (live.ra < 0.0) & (live.rb > 0.0)
+    near = np.clip(secant, live.a + 0.1 * width, live.b - 0.1 * width)
+    return np.where(straddle, near, 0.5 * (live.a + live.b))
+
+
+def _dot(a: NDArray, b: NDArray) -> NDArray:
+    return np.einsum("...i,...i->...", a, b)

@@ -1,0 +1,42 @@
+"""Exceptions, and what the status bits of a kernel mean to a person."""
+
+from __future__ import annotations
+
+from enum import IntFlag
+
+
+class GearsimError(Exception):
+    """A failure with one clear message; ``exit_code`` is what the command line returns."""
+
+    exit_code = 2
+
+
+class InputError(GearsimError):
+    """The input cannot be used: it names the file, line or field, what is wrong, what would be right."""
+
+
+class NumericalError(GearsimError):
+    """The computation ran, but a numerical status forbids trusting its result."""
+
+    exit_code = 3
+
+
+class Status(IntFlag):
+    """Status bits a ray can carry; the kernels use the same values (kernels/removal.py)."""
+
+    OK = 0
+    INTERVALS_OVERFLOW = 1
+    NOT_CONVERGED = 2
+
+
+REMEDIES = {
+    Status.INTERVALS_OVERFLOW: "a ray was cut into more pieces than its interval list holds; "
+    "raise `simulation.interval_slots`",
+    Status.NOT_CONVERGED: "the search for a swept interval's end used up its evaluations before meeting "
+    "`simulation.tolerance_mm`; loosen the tolerance or split the motion into shorter steps",
+}
+
+
+def explain(status: int) -> list[str]:
+    """Say in words what is wrong and what to do, one sentence per set bit of ``status``."""
+    return [f"{bit.name}: {remedy}" for bit, remedy in REMEDIES.items() if status & bit]

@@ -1,0 +1,78 @@
+"""Solids of revolution bounded by straight lines in the axial half plane: turned blanks and stock."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+
+@dataclass(frozen=True)
+class Turned:
+    """The solid swept by a simple polygon (radius, z) [mm], shape (n, 2), revolved about the z axis."""
+
+    polygon: NDArray[np.floating]
+
+    def contains(self, points: NDArray) -> NDArray:
+        """Whether points, shape (..., 3), lie inside (even-odd rule in the half plane)."""
+        radius, z = np.hypot(points[..., 0], points[..., 1]), points[..., 2]
+        inside = np.zeros(radius.shape, dtype=bool)
+        for (r0, z0), (r1, z1) in self._edges():
+            if z0 != z1:
+                crosses = (z0 > z) != (z1 > z)
+                inside ^= crosses & (radius < r0 + (z - z0) * (r1 - r0) / (z1 - z0))
+        return inside
+
+    def chords(self, origins: NDArray, directions: NDArray) -> tuple[NDArray, NDArray, NDArray]:
+        """Where rays run inside the solid.
+
+        ``origins``, ``directions``: shape (n, 3), directions of unit length. Returns (ray, start, end):
+        ray indices in rising order and the ends of their intervals [mm along the ray], rising per ray.
+        """
+        hits = [self._edge_hits(origins, directions, *edge) for edge in self._edges()]
+        tau = np.sort(np.concatenate(hits, axis=1), axis=1)
+        with np.errstate(invalid="ignore"):  # missing hits are +inf; inf - inf is no chord
+            middle = 0.5 * (tau[:, :-1] + tau[:, 1:])
+            real = np.isfinite(middle) & (tau[:, 1:] > tau[:, :-1])
+        at = origins[:, None, :] + np.where(real, middle, 0.0)[..., None] * directions[:, None, :]
+        ray, k = np.nonzero(real & self.contains(at))
+        return _join(ray, tau[ray, k], tau[ray, k + 1])
+
+    def _edges(self) -> list[tuple[NDArray, NDArray]]:
+        return list(zip(self.polygon, np.roll(self.polygon, -1, axis=0), strict=True))
+
+    @staticmethod
+    def _edge_hits(origins: NDArray, directions: NDArray, start: NDArray, end: NDArray) -> NDArray:
+        """The up to two parameters at which each ray meets the cone (or annulus) of one edge, else inf."""
+        (r0, z0), (r1, z1) = start, end
+        z, dz = origins[:, 2], directions[:, 2]
+        with np.errstate(divide="ignore", invalid="ignore"):
+            if z0 == z1:
+                tau = ((z0 - z) / dz)[:, None]
+                radius = np.hypot(
+                    *(origins[:, :2, None] + tau[:, None, :] * directions[:, :2, None]).transpose(1, 0, 2)
+                )
+                good = np.isfinite(tau) & (radius >= min(r0, r1)) & (radius <= max(r0, r1))
+                return np.where(good, tau, np.inf)
+            slope = (r1 - r0) / (z1 - z0)
+            edge, edge_rate = r0 + slope * (z - z0), slope * dz
+            a = (directions[:, :2] ** 2).sum(1) - edge_rate**2
+            b = (origins[:, :2] * directions[:, :2]).sum(1) - edge * edge_rate
+            c = (origins[:, :2] ** 2).sum(1) - edge**2
+            root = np.sqrt(b * b - a * c)
+            q = -(b + np.copysign(root, b))
+            tau = np.stack([q / a, c / q], axis=1)
+        height = z[:, None] + tau * dz[:, None]
+        good = np.isfinite(tau) & (height >= min(z0, z1)) & (height <= max(z0, z1))
+        return np.where(good & (edge[:, None] + tau * edge_rate[:, None] >= 0.0), tau, np.inf)
+
+
+def _join(ray: NDArray, start: NDArray, end: NDArray) -> tuple[NDArray, NDArray, NDArray]:
+    """Join consecutive pieces that share an end (a ray that crosses an edge inside the solid's corner)."""
+    if not len(ray):
+        return ray, start, end
+    opens = np.ones(len(ray), dtype=bool)
+    opens[1:] = (ray[1:] != ray[:-1]) | (start[1:] != end[:-1])
+    closes = np.append(opens[1:], True)
+    return ray[opens], start[opens], end[closes]

@@ -1,0 +1,1 @@
+"""Deviation of the machined tooth from the intended one, as an inspector reads it."""

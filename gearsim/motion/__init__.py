@@ -1,0 +1,1 @@
+"""Motions: exact sources, and the table of quintic segments compiled from them."""

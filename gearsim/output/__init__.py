@@ -1,0 +1,1 @@
+"""Files people open: report, pictures, EXR, VTK, Parquet."""

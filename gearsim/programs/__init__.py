@@ -1,0 +1,1 @@
+"""Machine and CL programs, read and written."""

@@ -1,0 +1,84 @@
+"""Rays and what is cut from them: the stock of the removal road."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gearsim.geometry.rigid import Rigid
+
+
+@dataclass(frozen=True)
+class RayBundle:
+    """Rays with a window of interest.
+
+    ``origin`` [mm] and unit ``direction`` have shape (n, 3); ``start`` and ``end`` [mm along the ray],
+    shape (n,), bound where cuts matter: those wholly outside may be missing from the result.
+    """
+
+    origin: NDArray[np.floating]
+    direction: NDArray[np.floating]
+    start: NDArray[np.floating]
+    end: NDArray[np.floating]
+
+    def __len__(self) -> int:
+        return len(self.origin)
+
+    def moved(self, rigid: Rigid) -> RayBundle:
+        """The same rays in another frame."""
+        return RayBundle(rigid.point(self.origin), rigid.direction(self.direction), self.start, self.end)
+
+    def part(self, chosen: NDArray | slice) -> RayBundle:
+        """A selection of the rays."""
+        return RayBundle(self.origin[chosen], self.direction[chosen], self.start[chosen], self.end[chosen])
+
+
+@dataclass(frozen=True)
+class IntervalSet:
+    """Disjoint rising intervals per ray, stored compactly: ray i owns rows first[i] to first[i + 1].
+
+    ``lo``, ``hi`` [mm along the ray]; ``lo_segment``, ``hi_segment`` say which segment made an end
+    (-1: none, an end of the stock itself).
+    """
+
+    first: NDArray[np.integer]
+    lo: NDArray[np.floating]
+    hi: NDArray[np.floating]
+    lo_segment: NDArray[np.integer]
+    hi_segment: NDArray[np.integer]
+
+    @property
+    def ray(self) -> NDArray:
+        """The ray each interval belongs to."""
+        return np.repeat(np.arange(len(self.first) - 1), np.diff(self.first))
+
+
+def from_lists(
+    count: NDArray, lo: NDArray, hi: NDArray, lo_segment: NDArray, hi_segment: NDArray
+) -> IntervalSet:
+    """Compact interval lists of fixed slots, shape (rays, slots), ``count`` used in each."""
+    used = np.arange(lo.shape[1]) < count[:, None]
+    first = np.concatenate([[0], np.cumsum(count)])
+    return IntervalSet(first, lo[used], hi[used], lo_segment[used], hi_segment[used])
+
+
+def subtract(ray: NDArray, start: NDArray, end: NDArray, removed: IntervalSet) -> IntervalSet:
+    """What is left of stock intervals (``ray`` rising, as Turned.chords returns them) after removal.
+
+    Sorts all interval ends along each ray and keeps the stretches that are in stock and in no cut.
+    """
+    n, m = len(ray), len(removed.lo)
+    rays = np.concatenate([ray, ray, removed.ray, removed.ray])
+    at = np.concatenate([start, end, removed.lo, removed.hi])
+    stock = np.concatenate([np.ones(n), -np.ones(n), np.zeros(2 * m)]).astype(int)
+    cut = np.concatenate([np.zeros(2 * n), np.ones(m), -np.ones(m)]).astype(int)
+    made = np.concatenate([np.full(2 * n, -1), removed.lo_segment, removed.hi_segment])
+    order = np.lexsort((at, rays))
+    rays, at, made = rays[order], at[order], made[order]
+    alive = (np.cumsum(stock[order]) > 0) & (np.cumsum(cut[order]) == 0)
+    row = np.flatnonzero(alive[:-1] & (rays[1:] == rays[:-1]) & (at[1:] > at[:-1]))
+    count = np.bincount(rays[row], minlength=len(removed.first) - 1)
+    first = np.concatenate([[0], np.cumsum(count)])
+    return IntervalSet(first, at[row], at[row + 1], made[row], made[row + 1])

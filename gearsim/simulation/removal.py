@@ -1,0 +1,244 @@
+"""The removal road: cut rays by a compiled motion, on the CPU's cores or a CUDA device."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor, as_completed
+from dataclasses import dataclass
+from functools import lru_cache
+from time import perf_counter
+
+import numpy as np
+import warp as wp
+from numpy.typing import NDArray
+
+from gearsim.cutters.profile import Profile
+from gearsim.errors import InputError, NumericalError, Status, explain
+from gearsim.kernels import removal as kernels
+from gearsim.kernels.interval import IntervalLists
+from gearsim.kernels.pose import Motion
+from gearsim.kernels.profile import ARC, LINE, Cutter
+from gearsim.motion.segments import SegmentTable
+from gearsim.simulation.rays import IntervalSet, RayBundle, from_lists
+
+TILE_RAYS = 1 << 20
+SLICE_RAYS = 2048
+
+
+@dataclass(frozen=True)
+class Removal:
+    """What a motion removes from a bundle of rays.
+
+    ``candidates`` counts the ray-segment pairs that the bounding volumes let through, ``pairs`` those
+    whose swept interval was computed; ``status`` [Status] is the union over rays, per ray in
+    ``ray_status``; ``kernel_s`` the wall time of the launches.
+    """
+
+    removed: IntervalSet
+    candidates: int
+    pairs: int
+    ray_status: NDArray[np.integer]
+    kernel_s: float
+
+    @property
+    def status(self) -> Status:
+        return Status(int(np.bitwise_or.reduce(self.ray_status, initial=0)))
+
+    def require_trust(self) -> Removal:
+        """Return self, or raise NumericalError with the remedy where a status bit is set."""
+        if self.status:
+            bad = int(np.count_nonzero(self.ray_status))
+            raise NumericalError(
+                f"{bad} of {len(self.ray_status)} rays cannot be trusted: " + "; ".join(explain(self.status))
+            )
+        return self
+
+
+def prepare(device: str) -> float:
+    """Compile and load the kernels for a device ahead of use; seconds taken.
+
+    Raises InputError where Warp knows no such device.
+    """
+    started = perf_counter()
+    _init()
+    try:
+        wp.get_device(device)
+    except Exception as error:
+        known = ", ".join(str(d) for d in wp.get_devices())
+        raise InputError(f"no device {device!r}; this machine has {known}") from error
+    wp.load_module(kernels, device=device)
+    return perf_counter() - started
+
+
+@lru_cache(maxsize=1)
+def _init() -> None:
+    wp.config.quiet = True
+    wp.init()
+
+
+def cutter_data(cutter: Profile, device: str) -> Cutter:
+    """The cutter's slabs on a device: its profile elements that rise along the axis."""
+    rows, kinds = [], []
+    for e in cutter.elements:
+        if e.is_flat:
+            continue
+        (r0, z0), (r1, z1) = e.start, e.end
+        kinds.append(int(ARC if e.is_arc else LINE))
+        if e.is_arc:
+            rows.append([z0, z1, e.centre[0], e.centre[1], e.radius])
+        else:
+            rows.append([z0, z1, r0, (r1 - r0) / (z1 - z0), 0.0])
+    data = Cutter()
+    data.kind = wp.array(kinds, dtype=wp.int32, device=device)
+    data.slabs = wp.array(np.array(rows), dtype=wp.float64, device=device)
+    data.count = len(rows)
+    data.height = cutter.height
+    return data
+
+
+def motion_data(table: SegmentTable, device: str) -> Motion:
+    """The segment table on a device."""
+    data = Motion()
+    data.tip = wp.array(table.tip, dtype=wp.vec3d, device=device)
+    data.axis = wp.array(table.axis, dtype=wp.vec3d, device=device)
+    for name in ("speed", "acceleration", "spin"):
+        setattr(data, name, wp.array(getattr(table, name), dtype=wp.float64, device=device))
+    return data
+
+
+def segment_bounds(table: SegmentTable, cutter: Profile) -> tuple[NDArray, NDArray]:
+    """Axis-aligned boxes, float32 rounded outward, of the cutter swept over every row.
+
+    Each box holds the mid-pose tool's bounding cones grown by the row's largest displacement.
+    """
+    tip, axis = table.tip[:, 0], table.axis[:, 0]
+    spread = np.sqrt(np.clip(1.0 - axis**2, 0.0, 1.0))
+    lower, upper = np.full(tip.shape, np.inf), np.full(tip.shape, -np.inf)
+    for e in cutter.elements:
+        radius = cutter.element_radius(e)
+        for z in (e.start[1], e.end[1]):
+            centre = tip + z * axis
+            lower = np.minimum(lower, centre - radius * spread)
+            upper = np.maximum(upper, centre + radius * spread)
+    pad = table.speed[:, None] * (1.0 + 1e-6) + 1e-4
+    return (
+        np.nextafter((lower - pad).astype(np.float32), -np.float32(np.inf)),
+        np.nextafter((upper + pad).astype(np.float32), np.float32(np.inf)),
+    )
+
+
+def cut(
+    rays: RayBundle,
+    table: SegmentTable,
+    cutter: Profile,
+    *,
+    device: str = "cpu",
+    tolerance: float = 1e-9,
+    slots: int = 16,
+    threads: int | None = None,
+    progress: Callable[[int], None] | None = None,
+) -> Removal:
+    """Sweep the cutter along the motion through all rays.
+
+    ``tolerance`` [mm] bounds the error of each interval's end along its ray (what escapes it is cut no
+    deeper than a tenth of it, see kernels/sweep.py); ``slots`` is the longest interval list of a ray;
+    ``threads`` the CPU threads (default: all cores); ``progress`` is told of rays done. Check
+    ``Removal.status`` or call ``require_trust``.
+    """
+    prepare(device)
+    job = _Job(table, cutter, device, tolerance, slots)
+    parts = []
+    for begin in range(0, max(len(rays), 1), TILE_RAYS):
+        tile = rays.part(slice(begin, begin + TILE_RAYS))
+        parts.append(job.run(tile, threads or os.cpu_count() or 1, progress or (lambda n: None)))
+    return parts[0] if len(parts) == 1 else _concatenate(parts)
+
+
+def _concatenate(parts: list[Removal]) -> Removal:
+    sets = [p.removed for p in parts]
+    offsets = np.cumsum([0] + [len(s.lo) for s in sets[:-1]])
+    first = np.concatenate([s.first[:-1] + o for s, o in zip(sets, offsets, strict=True)])
+    removed = IntervalSet(
+        np.append(first, sum(len(s.lo) for s in sets)),
+        *(np.concatenate([getattr(s, k) for s in sets]) for k in ("lo", "hi", "lo_segment", "hi_segment")),
+    )
+    return Removal(
+        removed,
+        sum(p.candidates for p in parts),
+        sum(p.pairs for p in parts),
+        np.concatenate([p.ray_status for p in parts]),
+        sum(p.kernel_s for p in parts),
+    )
+
+
+class _Job:
+    """Device copies of one cutter and motion, and the launches over tiles of rays."""
+
+    def __init__(self, table: SegmentTable, cutter: Profile, device: str, tolerance: float, slots: int):
+        self.device, self.tolerance, self.slots = device, tolerance, slots
+        self.cutter = cutter_data(cutter, device)
+        self.motion = motion_data(table, device)
+        self.bound = 2.0 * cutter.reach
+        lower, upper = segment_bounds(table, cutter)
+        self.bvh = wp.Bvh(
+            wp.array(lower, dtype=wp.vec3, device=device), wp.array(upper, dtype=wp.vec3, device=device)
+        )
+
+    def run(self, rays: RayBundle, threads: int, progress: Callable[[int], None]) -> Removal:
+        n = len(rays)
+        inputs = [
+            wp.array(rays.origin, dtype=wp.vec3d, device=self.device),
+            wp.array(rays.direction, dtype=wp.vec3d, device=self.device),
+            wp.array(rays.start, dtype=wp.float64, device=self.device),
+            wp.array(rays.end, dtype=wp.float64, device=self.device),
+        ]
+        lists = self._lists(n)
+        counters = [wp.zeros(n, dtype=wp.int32, device=self.device) for _ in range(3)]
+
+        def launch(begin: int, size: int) -> int:
+            wp.launch(
+                kernels.cut_rays,
+                dim=size,
+                inputs=[self.cutter, self.bound, self.motion, self.bvh.id, self.tolerance, begin, *inputs],
+                outputs=[lists, *counters],
+                device=self.device,
+            )
+            return size
+
+        started = perf_counter()
+        if wp.get_device(self.device).is_cpu:
+            self._launch_slices(launch, n, threads, progress)
+        else:
+            launch(0, n)
+            wp.synchronize_device(self.device)
+            progress(n)
+        kernel_s = perf_counter() - started
+        columns = (lists.count, lists.lo, lists.hi, lists.lo_segment, lists.hi_segment)
+        removed = from_lists(*(a.numpy() for a in columns))
+        candidates, pairs, status = (a.numpy() for a in counters)
+        total = np.int64
+        return Removal(
+            removed, int(candidates.sum(dtype=total)), int(pairs.sum(dtype=total)), status, kernel_s
+        )
+
+    @staticmethod
+    def _launch_slices(
+        launch: Callable[[int, int], int], n: int, threads: int, progress: Callable[[int], None]
+    ) -> None:
+        """Warp runs a CPU launch on one thread but releases the interpreter: slices use every core."""
+        slices = [(b, min(SLICE_RAYS, n - b)) for b in range(0, n, SLICE_RAYS)]
+        with ThreadPoolExecutor(threads) as pool:
+            for done in as_completed([pool.submit(launch, *s) for s in slices]):
+                progress(done.result())
+
+    def _lists(self, n: int) -> IntervalLists:
+        lists = IntervalLists()
+        shape = (n, self.slots)
+        lists.lo = wp.empty(shape, dtype=wp.float64, device=self.device)
+        lists.hi = wp.empty(shape, dtype=wp.float64, device=self.device)
+        lists.lo_segment = wp.empty(shape, dtype=wp.int32, device=self.device)
+        lists.hi_segment = wp.empty(shape, dtype=wp.int32, device=self.device)
+        lists.count = wp.zeros(n, dtype=wp.int32, device=self.device)
+        lists.slots = self.slots
+        return lists

@@ -1,0 +1,1 @@
+"""Intended surfaces: gear blanks and teeth in closed form."""

@@ -1,0 +1,239 @@
+"""The ruled spiral bevel tooth slot (Zhou 2015, sections 3.2 and 3.3) in closed form.
+
+A circular arc in the crown gear's reference plane is wound onto the pitch cone; in the plane normal to
+the generator at each of its points stands one profile: bottom land, two fillets, two straight flanks.
+The slot is symmetric in that plane, not in space: its walls are the ``convex`` and the ``concave`` flank.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from math import atan2, cos, pi, sin, tan
+from typing import Literal, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gearsim.errors import InputError
+from gearsim.geometry import series
+from gearsim.geometry.jets import SurfaceJet
+from gearsim.geometry.series import Series
+from gearsim.surfaces.blank import BevelBlank
+
+Side = Literal["convex", "concave"]
+SIDES: tuple[Side, Side] = ("convex", "concave")
+
+
+class Spine(NamedTuple):
+    """Profile frames along the lengthwise curve, as series in its parameter phi (workpiece frame).
+
+    ``cone`` is the cone distance [mm]; x runs along the generator, z along the pitch cone's normal,
+    y = z cross x; ``origin`` is the profile's origin on the root cone.
+    """
+
+    cone: Series
+    origin: Series
+    x: Series
+    y: Series
+    z: Series
+
+
+@dataclass(frozen=True)
+class RuledBevelTooth:
+    """A slot of the ruled spiral bevel gear; lengths in mm, angles in rad (Zhou tables 3.3 and 3.7).
+
+    ``hand`` is the gear's hand of spiral; ``start_angle`` turns the whole slot about the gear axis.
+    """
+
+    blank: BevelBlank
+    spiral_angle: float
+    hand: Literal["left", "right"]
+    lengthwise_radius: float
+    bottom_half_width: float
+    fillet_radius: float
+    pressure_angle: float
+    start_angle: float = 0.0
+
+    def __post_init__(self) -> None:
+        problems = []
+        if not 0.0 < self.pressure_angle < 0.5 * pi:
+            problems.append("the pressure angle must lie between 0 and 90 degrees")
+        if self.fillet_radius < 0.0 or self.bottom_half_width < 0.0:
+            problems.append("fillet radius and bottom half width must not be negative")
+        elif self.fillet_height >= self.blank.whole_depth_at(self.blank.toe):
+            problems.append(
+                f"the fillet ends at height {self.fillet_height:.3g} mm, above the tooth's tip at the toe "
+                f"({self.blank.whole_depth_at(self.blank.toe):.3g} mm): the working flank would be empty"
+            )
+        if problems:
+            raise InputError("impossible ruled tooth: " + "; ".join(problems))
+
+    @property
+    def _turn(self) -> float:
+        """theta_t of Zhou 3.17: the spiral angle's complement; its sign is the hand (left is positive)."""
+        return (0.5 * pi - self.spiral_angle) * (1.0 if self.hand == "left" else -1.0)
+
+    @property
+    def _centre(self) -> complex:
+        """The lengthwise circle's centre in the crown plane (Zhou 3.18), mean point on the real axis."""
+        return self.blank.mean - self.lengthwise_radius * complex(cos(self._turn), sin(self._turn))
+
+    def phi_at(self, cone: NDArray | float) -> NDArray:
+        """Lengthwise parameters [rad] at which the curve reaches cone distances [mm] (inverse of 3.22).
+
+        Raises InputError where the circle never comes that far in or out.
+        """
+        centre, radius = self._centre, self.lengthwise_radius
+        cosine = (np.asarray(cone) ** 2 - abs(centre) ** 2 - radius**2) / (2.0 * radius * abs(centre))
+        if np.abs(cosine).max(initial=0.0) > 1.0:
+            raise InputError(
+                f"the lengthwise circle of radius {radius:g} mm stays between cone distances "
+                f"{abs(abs(centre) - radius):.4g} and {abs(centre) + radius:.4g} mm; "
+                f"{np.min(cone):.4g} to {np.max(cone):.4g} mm is needed"
+            )
+        at_mean = (self._turn - atan2(centre.imag, centre.real) + pi) % (2.0 * pi) - pi
+        return np.copysign(np.arccos(cosine), at_mean) - at_mean
+
+    def spine(self, phi: NDArray, order: int) -> Spine:
+        """Profile frames at lengthwise parameters phi [rad], shape (n,), to a derivative order.
+
+        Zhou 3.19-3.25 and 3.36-3.38. The crown-plane point is a complex number, whose logarithm holds the
+        cone distance and the polar angle with all their derivatives (3.44; 3.26 prints cos for csc).
+        """
+        turn = Series.variable(phi, order) + self._turn
+        crown = self.lengthwise_radius * series.exp(turn * 1j) + self._centre
+        polar = series.log(crown)
+        cone = series.exp(polar.real)
+        pitch = self.blank.pitch
+        around = series.exp((polar.imag / sin(pitch) + self.start_angle) * 1j)
+        c, s, nil = around.real, around.imag, Series(np.zeros_like(cone.c))
+        x = series.stack([c * sin(pitch), s * sin(pitch), nil + cos(pitch)])
+        z = series.stack([c * cos(pitch), s * cos(pitch), nil - sin(pitch)])
+        y = series.stack([s, -c, nil])
+        slope = tan(pitch - self.blank.root_angle)
+        depth = cone * slope + float(self.blank.dedendum_at(0.0))
+        return Spine(cone, x * cone.column - z * depth.column, x, y, z)
+
+    @property
+    def fillet_height(self) -> float:
+        """Height h [mm] of the fillet's end, where the working flank begins (Zhou 3.33)."""
+        return self.fillet_radius * (1.0 - sin(self.pressure_angle))
+
+    @property
+    def fillet_half_width(self) -> float:
+        """Half width [mm] of the slot where the working flanks begin (Zhou 3.33, taken positive)."""
+        return self.bottom_half_width + self.fillet_radius * cos(self.pressure_angle)
+
+    def half_width(self, h: NDArray | float) -> NDArray | float:
+        """Half width [mm] of the slot at profile height h [mm] of the working flank (Zhou 3.34)."""
+        return self.fillet_half_width + (h - self.fillet_height) * tan(self.pressure_angle)
+
+    def side_sign(self, side: Side) -> float:
+        """+1 where the wall stands on the profile's +y side: the convex one in a left-hand gear."""
+        return (1.0 if side == "convex" else -1.0) * (1.0 if self.hand == "left" else -1.0)
+
+    def flank(self, side: Side) -> ToothPatch:
+        """The working flank of one side; v is the profile height h [mm]."""
+        return ToothPatch(self, "flank", side)
+
+    def fillet(self, side: Side) -> ToothPatch:
+        """The fillet of one side; v is the arc angle [rad] from the bottom land."""
+        return ToothPatch(self, "fillet", side)
+
+    @property
+    def bottom(self) -> ToothPatch:
+        """The bottom land; v is the profile's y [mm], from the concave wall to the convex one."""
+        return ToothPatch(self, "bottom", "convex")
+
+    @property
+    def patches(self) -> list[ToothPatch]:
+        """The whole slot, from the concave tip down and up to the convex tip."""
+        concave, convex = ([self.flank(side), self.fillet(side)] for side in ("concave", "convex"))
+        return [*concave, self.bottom, *reversed(convex)]
+
+
+@dataclass(frozen=True)
+class ToothPatch:
+    """One part of the slot as a surface r(phi, v): ``flank``, ``fillet`` or ``bottom``."""
+
+    tooth: RuledBevelTooth
+    part: Literal["flank", "fillet", "bottom"]
+    side: Side
+
+    @property
+    def name(self) -> str:
+        """``convex``, ``concave`` for the working flanks; ``convex fillet``, ..., ``bottom``."""
+        return {"flank": self.side, "fillet": f"{self.side} fillet", "bottom": "bottom"}[self.part]
+
+    @property
+    def start(self) -> float:
+        """The v [mm or rad] at which the patch begins."""
+        return {"flank": self.tooth.fillet_height, "fillet": 0.0, "bottom": -self.tooth.bottom_half_width}[
+            self.part
+        ]
+
+    def profile(self, v: Series) -> tuple[Series, Series]:
+        """The profile curve (y, z) [mm] in its plane as series in v (Zhou 3.32, 3.34)."""
+        tooth, sign = self.tooth, self.tooth.side_sign(self.side)
+        if self.part == "flank":
+            return (sign * tan(tooth.pressure_angle)) * v + sign * float(tooth.half_width(0.0)), v
+        if self.part == "bottom":
+            return sign * v, v * 0.0
+        turn = series.exp(v * 1j)
+        y = (sign * tooth.fillet_radius) * turn.imag + sign * tooth.bottom_half_width
+        return y, (-tooth.fillet_radius) * turn.real + tooth.fillet_radius
+
+    def jet(self, phi: NDArray, v: NDArray) -> SurfaceJet:
+        """Points and derivatives, each of shape (n, 3), at parameters phi [rad] and v, shape (n,)."""
+        phi, v = np.broadcast_arrays(np.asarray(phi, dtype=float), np.asarray(v, dtype=float))
+        spine = self.tooth.spine(phi, 2)
+        y, z = (s.column.derivatives() for s in self.profile(Series.variable(v, 2)))
+        o, ey, ez = (s.derivatives() for s in (spine.origin, spine.y, spine.z))
+        lengthwise = [o[k] + y[0] * ey[k] + z[0] * ez[k] for k in range(3)]
+        return SurfaceJet(
+            lengthwise[0], lengthwise[1], y[1] * ey[0] + z[1] * ez[0], lengthwise[2],
+            y[1] * ey[1] + z[1] * ez[1], y[2] * ey[0] + z[2] * ez[0], self.orientation,
+        )  # fmt: skip
+
+    @cached_property
+    def orientation(self) -> float:
+        """Sign that turns r_phi x r_v out of the material; phi runs heel to toe in a left-hand gear."""
+        lengthwise = -1.0 if self.tooth.hand == "left" else 1.0
+        return lengthwise * self.tooth.side_sign(self.side)
+
+    def locate(self, length: NDArray, height: NDArray) -> tuple[NDArray, NDArray]:
+        """Parameters (phi, v) of points given on the real blank, both shape (n,), each in [0, 1].
+
+        ``length`` 0 is the toe, 1 the heel, by the point's own cone distance; ``height`` 0 is the patch's
+        root-side edge, 1 its tip-side edge (for a flank, where it meets the face cone).
+        """
+        blank = self.tooth.blank
+        length, height = np.broadcast_arrays(np.asarray(length, dtype=float), np.asarray(height, dtype=float))
+        target = blank.toe + blank.face_width * length
+        phi = self.tooth.phi_at(target)
+        end = np.full(target.shape, self._nominal_end)
+        for _ in range(30):
+            if self.part == "flank":
+                tip = self.jet(phi, end)
+                cone, above = blank.cone_height(tip.r)
+                end = end + np.asarray(blank.addendum_at(cone)) - above
+            v = self.start + height * (end - self.start)
+            at = self.jet(phi, v)
+            step = (target - blank.cone_height(at.r)[0]) / self._cone_rate(at)
+            phi = phi + step
+            if np.abs(step).max(initial=0.0) < 1e-14:
+                break
+        return phi, v
+
+    @property
+    def _nominal_end(self) -> float:
+        tooth = self.tooth
+        if self.part == "flank":
+            return float(tooth.blank.whole_depth_at(tooth.blank.mean))
+        return tooth.bottom_half_width if self.part == "bottom" else 0.5 * pi - tooth.pressure_angle
+
+    def _cone_rate(self, jet: SurfaceJet) -> NDArray:
+        radius = np.hypot(jet.r[..., 0], jet.r[..., 1])
+        radial = (jet.r[..., 0] * jet.ru[..., 0] + jet.r[..., 1] * jet.ru[..., 1]) / radius
+        return radial * sin(self.tooth.blank.pitch) + jet.ru[..., 2] * cos(self.tooth.blank.pitch)

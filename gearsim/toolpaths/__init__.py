@@ -1,0 +1,1 @@
+"""Toolpath planning: from an intended surface and a cutter to a motion."""

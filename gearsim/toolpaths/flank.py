@@ -1,0 +1,110 @@
+"""Finish flank milling of the ruled spiral bevel tooth (Zhou 2015, section 4.2.2)."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import cos, tan
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gearsim.cutters.profile import Profile
+from gearsim.errors import InputError
+from gearsim.geometry import series
+from gearsim.motion.sources import CLMotion, CurveMotion, PoseSeries
+from gearsim.surfaces.ruled_bevel import RuledBevelTooth, Side
+
+
+@dataclass(frozen=True)
+class FlankPath:
+    """The pass that finishes one flank from toe to heel.
+
+    At each lengthwise parameter the cutter's straight flank touches the tooth at the contact path, with
+    its axis in the plane of the surface normal and the profile's straight line, and the cutter's flank
+    begins where the tooth's does. ``run`` [mm] is how far the path goes on beyond toe and heel.
+    """
+
+    tooth: RuledBevelTooth
+    side: Side
+    cutter: Profile
+    run: float
+
+    def contact_height(self, cone: NDArray | float) -> NDArray:
+        """Profile height h [mm] of the contact path: mid working depth (Zhou 4.23)."""
+        return 0.5 * (np.asarray(self.tooth.blank.whole_depth_at(cone)) + self.tooth.blank.clearance)
+
+    @property
+    def motion(self) -> CurveMotion:
+        """The theoretical motion over the face and its run-in and run-out."""
+        blank = self.tooth.blank
+        start, end = self.tooth.phi_at(np.array([blank.toe - self.run, blank.cone_distance + self.run]))
+        return CurveMotion(self.poses, float(start), float(end))
+
+    def poses(self, phi: NDArray, order: int) -> PoseSeries:
+        """Tip and axis as series in the lengthwise parameter phi [rad], shape (n,) (Zhou 4.24-4.27)."""
+        tooth, sign = self.tooth, self.tooth.side_sign(self.side)
+        slope = sign * tan(tooth.pressure_angle)
+        spine = tooth.spine(phi, order + 1)
+        h = spine.cone * (0.5 * (tan(tooth.blank.face_angle - tooth.blank.pitch)
+                                 + tan(tooth.blank.pitch - tooth.blank.root_angle))) + float(
+            self.contact_height(0.0)
+        )  # fmt: skip
+        y = h * slope + sign * float(tooth.half_width(0.0))
+        along = spine.origin.derivative() + y.column * spine.y.derivative() + h.column * spine.z.derivative()
+        rule = spine.y * slope + spine.z
+        into_gear = series.unit(series.cross(along, rule)) * -tooth.flank(self.side).orientation
+        contact = spine.origin + spine.y * y.column + spine.z * h.column
+        return self._tangent_pose(contact, series.unit(rule), into_gear, h)
+
+    def _tangent_pose(
+        self, contact: series.Series, rule: series.Series, normal: series.Series, h: series.Series
+    ) -> PoseSeries:
+        """The pose whose straight flank lies along ``rule`` at ``contact``, its normal along ``normal``."""
+        start = self.cutter.elements[self.cutter.flank].at(np.array(0.0))
+        taper_sine, taper_cosine = -float(start.nz), float(start.nr)
+        axis = rule * taper_cosine - normal * taper_sine
+        radial = (normal + axis * taper_sine) * (1.0 / taper_cosine)
+        distance = (h - self.tooth.fillet_height) * (1.0 / cos(self.tooth.pressure_angle))
+        radius = distance * taper_sine + float(start.r)
+        height = distance * taper_cosine + float(start.z)
+        tip = contact - radial * radius.column - axis * height.column
+        return PoseSeries(tip, series.Series(axis.c[: tip.order + 1]))
+
+    def cl_points(self, points: int) -> CLMotion:
+        """The path as CL data with ``points`` points over the face, the run at the same spacing."""
+        if points < 2:
+            raise InputError(f"CL data needs at least 2 points over the face, got {points}")
+        blank, motion = self.tooth.blank, self.motion
+        toe, heel = self.tooth.phi_at(np.array([blank.toe, blank.cone_distance]))
+        step = (heel - toe) / (points - 1)
+        before = int(np.ceil((motion.start - toe) / -step - 1e-9))
+        after = int(np.ceil((motion.end - heel) / step - 1e-9))
+        phi = toe + step * np.arange(-before, points + after)
+        pose = self.poses(phi, 0)
+        return CLMotion(pose.tip.value, pose.axis.value)
+
+    def check_passage(self, samples: int = 65) -> None:
+        """Raise InputError where the cutter is wider than the slot's mouth between the tip edges.
+
+        Compares the cutter's diameter with the distance between the two tip edges in the section normal
+        to the lengthwise curve, all along the face.
+        """
+        blank = self.tooth.blank
+        phi = self.tooth.phi_at(np.linspace(blank.toe, blank.cone_distance, samples))
+        spine = self.tooth.spine(phi, 1)
+        depth = np.asarray(blank.whole_depth_at(spine.cone.value))
+        tangent = series.unit(spine.origin.derivative()).value
+        across = np.abs((np.cross(spine.z.value, tangent) * spine.y.value).sum(1))
+        mouth = 2.0 * np.asarray(self.tooth.half_width(depth)) * across
+        tip = self.poses(phi, 0)
+        edge = spine.origin.value + spine.z.value * depth[:, None]
+        height = ((edge - tip.tip.value) * tip.axis.value).sum(1)
+        width = np.array([2.0 * self.cutter.radius_at(min(h, self.cutter.height)) for h in height])
+        worst = int(np.argmax(width - mouth))
+        if width[worst] > mouth[worst]:
+            cone = float(spine.cone.value[worst])
+            raise InputError(
+                f"the cutter cannot pass between the tip edges: at cone distance {cone:.2f} mm it is "
+                f"{width[worst]:.2f} mm wide at the mouth of the slot, which is {mouth[worst]:.2f} mm; "
+                "choose a smaller bottom radius, fillet or taper"
+            )

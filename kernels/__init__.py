@@ -1,0 +1,1 @@
+"""Warp functions and kernels, nothing else; imported as ``gearsim.kernels``."""

@@ -1,0 +1,43 @@
+"""Poses of the segment table: quintic tip and axis with their derivatives."""
+
+import warp as wp
+
+f64 = wp.float64
+
+
+@wp.struct
+class Motion:
+    """Rows of quintic coefficients, shape (n, 6), and the bounds of motion/segments.py."""
+
+    tip: wp.array2d(dtype=wp.vec3d)
+    axis: wp.array2d(dtype=wp.vec3d)
+    speed: wp.array(dtype=f64)
+    acceleration: wp.array(dtype=f64)
+    spin: wp.array(dtype=f64)
+
+
+@wp.struct
+class Pose:
+    """Tip and axis with their derivatives by the segment's parameter; the axis is not renormalised."""
+
+    tip: wp.vec3d
+    tip_rate: wp.vec3d
+    axis: wp.vec3d
+    axis_rate: wp.vec3d
+
+
+@wp.func
+def pose_at(motion: Motion, row: int, x: f64) -> Pose:
+    """Pose of a row at x in [-1, 1] by Horner's rule."""
+    pose = Pose()
+    pose.tip = motion.tip[row, 5]
+    pose.axis = motion.axis[row, 5]
+    pose.tip_rate = wp.vec3d()
+    pose.axis_rate = wp.vec3d()
+    for i in range(5):
+        k = 4 - i
+        pose.tip_rate = pose.tip_rate * x + pose.tip
+        pose.axis_rate = pose.axis_rate * x + pose.axis
+        pose.tip = pose.tip * x + motion.tip[row, k]
+        pose.axis = pose.axis * x + motion.axis[row, k]
+    return pose

@@ -1,0 +1,304 @@
+"""Closed forms of a ray against a convex cutter's profile at rest: no motion, no index, no scene.
+
+The cutter is cut into slabs, one for each line or arc of its profile that rises along the axis; every
+slab is convex (a frustum, or a disc rounded by a ball between two planes), so a ray meets each in one
+interval, and the cutter in the hull of those.
+"""
+
+import warp as wp
+
+f64 = wp.float64
+
+LINE = wp.constant(0)
+ARC = wp.constant(1)
+
+FAR = wp.constant(f64(1.0e30))
+TINY = wp.constant(f64(1.0e-14))
+NEWTON_STEPS = wp.constant(60)
+GAP_STEPS = wp.constant(90)
+
+
+@wp.struct
+class Cutter:
+    """Slabs from the tip up; lengths in mm, tool frame.
+
+    ``slabs`` row: z0, z1, radius at z0, slope dr/dz (line) or centre r, centre z, radius (arc).
+    """
+
+    kind: wp.array(dtype=wp.int32)
+    slabs: wp.array2d(dtype=f64)
+    count: wp.int32
+    height: f64
+
+
+@wp.struct
+class ToolRay:
+    """A ray seen from the tool: x - tip = z l + w, with z = z0 + tau dz and w = w0 + tau w1."""
+
+    z0: f64
+    dz: f64
+    w0: wp.vec3d
+    w1: wp.vec3d
+
+
+@wp.struct
+class Hit:
+    """Interval of a ray inside the cutter; ``face`` is 2 k for slab k's flank, else 2 k + 1 for its disc."""
+
+    found: wp.int32
+    lo: f64
+    hi: f64
+    lo_face: wp.int32
+    hi_face: wp.int32
+
+
+@wp.func
+def line_interval(ray: ToolRay, radius: f64, slope: f64, z_base: f64, lo: f64, hi: f64) -> wp.vec2d:
+    """Part of [lo, hi] with |w| <= radius + slope (z - z_base); empty as (1, 0)."""
+    edge = radius + slope * (ray.z0 - z_base)
+    edge_rate = slope * ray.dz
+    a = wp.dot(ray.w1, ray.w1) - edge_rate * edge_rate
+    b = wp.dot(ray.w0, ray.w1) - edge * edge_rate
+    c = wp.dot(ray.w0, ray.w0) - edge * edge
+    if wp.abs(a) < TINY:
+        a = TINY
+    disc = b * b - a * c
+    if disc <= f64(0.0):
+        if a > f64(0.0):
+            return wp.vec2d(f64(1.0), f64(0.0))
+        return wp.vec2d(lo, hi)
+    root = wp.sqrt(disc)
+    q = -(b + root)
+    if b < f64(0.0):
+        q = root - b
+    t1 = q / a
+    t2 = f64(0.0)
+    if q != f64(0.0):
+        t2 = c / q
+    first = wp.min(t1, t2)
+    last = wp.max(t1, t2)
+    if a > f64(0.0):
+        return wp.vec2d(wp.max(lo, first), wp.min(hi, last))
+    if first > lo:
+        return wp.vec2d(lo, wp.min(hi, first))
+    return wp.vec2d(wp.max(lo, last), hi)
+
+
+@wp.func
+def puck_distance(ray: ToolRay, centre_r: f64, centre_z: f64, radius: f64, tau: f64) -> wp.vec2d:
+    """Distance of the ray's point to a disc rounded by a ball, and its derivative; convex along the ray."""
+    w = ray.w0 + tau * ray.w1
+    r = wp.length(w)
+    z = ray.z0 + tau * ray.dz - centre_z
+    out = r - centre_r
+    if out <= f64(0.0):
+        rate = ray.dz
+        if z < f64(0.0):
+            rate = -ray.dz
+        return wp.vec2d(wp.abs(z) - radius, rate)
+    length = wp.sqrt(out * out + z * z)
+    if length < TINY or r < TINY:
+        return wp.vec2d(length - radius, f64(0.0))
+    return wp.vec2d(length - radius, (out * wp.dot(w, ray.w1) / r + z * ray.dz) / length)
+
+
+@wp.func
+def puck_end(ray: ToolRay, centre_r: f64, centre_z: f64, radius: f64, start: f64, stop: f64) -> f64:
+    """First tau from ``start`` towards ``stop`` inside the puck, or FAR; Newton from outside is monotone."""
+    tau = start
+    forward = f64(1.0)
+    if stop < start:
+        forward = f64(-1.0)
+    step = int(0)
+    while step < NEWTON_STEPS:
+        d = puck_distance(ray, centre_r, centre_z, radius, tau)
+        if d[0] <= TINY:
+            return tau
+        rate = d[1] * forward
+        if rate >= f64(0.0):
+            return FAR
+        move = -d[0] / rate
+        tau += forward * move
+        if (stop - tau) * forward < f64(0.0):
+            return FAR
+        if move < TINY:
+            return tau
+        step += 1
+    return tau
+
+
+@wp.func
+def arc_interval(ray: ToolRay, centre_r: f64, centre_z: f64, radius: f64, lo: f64, hi: f64) -> wp.vec2d:
+    """Part of [lo, hi] inside the puck of an arc; empty as (1, 0)."""
+    z = ray.z0 - centre_z
+    b = wp.dot(ray.w0, ray.w1) + z * ray.dz
+    ball = centre_r + radius
+    disc = b * b - (wp.dot(ray.w0, ray.w0) + z * z - ball * ball)
+    if disc < f64(0.0):
+        return wp.vec2d(f64(1.0), f64(0.0))
+    root = wp.sqrt(disc)
+    start = wp.max(lo, -b - root)
+    stop = wp.min(hi, -b + root)
+    if start > stop:
+        return wp.vec2d(f64(1.0), f64(0.0))
+    first = puck_end(ray, centre_r, centre_z, radius, start, stop)
+    if first == FAR:
+        return wp.vec2d(f64(1.0), f64(0.0))
+    last = puck_end(ray, centre_r, centre_z, radius, stop, start)
+    if last == FAR:
+        last = first
+    return wp.vec2d(first, last)
+
+
+@wp.func
+def cutter_interval(cutter: Cutter, ray: ToolRay, inflate: f64) -> Hit:
+    """Interval of a unit-speed ray inside the cutter grown by ``inflate`` [mm], or a little more."""
+    hit = Hit()
+    hit.found = 0
+    hit.lo = FAR
+    hit.hi = -FAR
+    for k in range(cutter.count):
+        z0 = cutter.slabs[k, 0] - inflate
+        z1 = cutter.slabs[k, 1] + inflate
+        lo = -FAR
+        hi = FAR
+        if wp.abs(ray.dz) > TINY:
+            ta = (z0 - ray.z0) / ray.dz
+            tb = (z1 - ray.z0) / ray.dz
+            lo = wp.min(ta, tb)
+            hi = wp.max(ta, tb)
+        elif ray.z0 < z0 or ray.z0 > z1:
+            continue
+        part = wp.vec2d(f64(1.0), f64(0.0))
+        if cutter.kind[k] == LINE:
+            slope = cutter.slabs[k, 3]
+            radius = cutter.slabs[k, 2] + inflate * wp.sqrt(f64(1.0) + slope * slope)
+            part = line_interval(ray, radius, slope, cutter.slabs[k, 0], lo, hi)
+        else:
+            part = arc_interval(
+                ray, cutter.slabs[k, 2], cutter.slabs[k, 3], cutter.slabs[k, 4] + inflate, lo, hi
+            )
+        if part[0] > part[1]:
+            continue
+        hit.found = 1
+        if part[0] < hit.lo:
+            hit.lo = part[0]
+            hit.lo_face = 2 * k
+            if part[0] == lo and end_slab(cutter, k, ray.dz):
+                hit.lo_face = 2 * k + 1
+        if part[1] > hit.hi:
+            hit.hi = part[1]
+            hit.hi_face = 2 * k
+            if part[1] == hi and end_slab(cutter, k, -ray.dz):
+                hit.hi_face = 2 * k + 1
+    return hit
+
+
+@wp.func
+def end_slab(cutter: Cutter, k: int, dz: f64) -> bool:
+    """Whether a ray that rises with ``dz`` enters slab k through an end of the whole tool."""
+    return (k == 0 and dz > f64(0.0)) or (k == cutter.count - 1 and dz < f64(0.0))
+
+
+@wp.func
+def face_normal(cutter: Cutter, face: int, r: f64, z: f64) -> wp.vec2d:
+    """Outward normal (nr, nz) of the cutter's face at a point on it."""
+    k = face // 2
+    if face % 2 == 1:
+        if z > f64(0.5) * cutter.height:
+            return wp.vec2d(f64(0.0), f64(1.0))
+        return wp.vec2d(f64(0.0), f64(-1.0))
+    if cutter.kind[k] == LINE:
+        slope = cutter.slabs[k, 3]
+        scale = f64(1.0) / wp.sqrt(f64(1.0) + slope * slope)
+        return wp.vec2d(scale, -slope * scale)
+    return wp.normalize(wp.vec2d(r - cutter.slabs[k, 2], z - cutter.slabs[k, 3]))
+
+
+@wp.func
+def outside_distance(cutter: Cutter, r: f64, z: f64) -> wp.vec3d:
+    """Distance of a point outside the cutter to it, with the unit gradient (nr, nz); about 0 inside."""
+    best = FAR
+    near_r = f64(0.0)
+    near_z = f64(0.0)
+    last = cutter.count - 1
+    for k in range(cutter.count):
+        z0 = cutter.slabs[k, 0]
+        z1 = cutter.slabs[k, 1]
+        r0 = cutter.slabs[k, 2]
+        r1 = r0
+        if cutter.kind[k] == LINE:
+            slope = cutter.slabs[k, 3]
+            r1 = r0 + slope * (z1 - z0)
+            along = ((r - r0) * slope + (z - z0)) / (f64(1.0) + slope * slope)
+            along = wp.clamp(along, f64(0.0), z1 - z0)
+            pr = r0 + slope * along
+            pz = z0 + along
+        else:
+            zc = cutter.slabs[k, 3]
+            rho = cutter.slabs[k, 4]
+            out = wp.max(r - r0, f64(0.0))
+            length = wp.max(wp.sqrt(out * out + (z - zc) * (z - zc)), TINY)
+            pz = wp.clamp(zc + rho * (z - zc) / length, z0, z1)
+            pr = r0 + wp.sqrt(wp.max(rho * rho - (pz - zc) * (pz - zc), f64(0.0)))
+            r1 = r0 + wp.sqrt(wp.max(rho * rho - (z1 - zc) * (z1 - zc), f64(0.0)))
+            r0 = r0 + wp.sqrt(wp.max(rho * rho - (z0 - zc) * (z0 - zc), f64(0.0)))
+        d = wp.sqrt((r - pr) * (r - pr) + (z - pz) * (z - pz))
+        if d < best:
+            best = d
+            near_r = pr
+            near_z = pz
+        if k == 0:
+            pr = wp.min(r, r0)
+            d = wp.sqrt((r - pr) * (r - pr) + (z - z0) * (z - z0))
+            if d < best:
+                best = d
+                near_r = pr
+                near_z = z0
+        if k == last:
+            pr = wp.min(r, r1)
+            d = wp.sqrt((r - pr) * (r - pr) + (z - z1) * (z - z1))
+            if d < best:
+                best = d
+                near_r = pr
+                near_z = z1
+    scale = f64(1.0) / wp.max(best, TINY)
+    return wp.vec3d(best, (r - near_r) * scale, (z - near_z) * scale)
+
+
+@wp.func
+def ray_distance(cutter: Cutter, ray: ToolRay, tau: f64) -> wp.vec2d:
+    """Distance of the ray's point to the cutter, and its derivative along the ray."""
+    w = ray.w0 + tau * ray.w1
+    r = wp.length(w)
+    d = outside_distance(cutter, r, ray.z0 + tau * ray.dz)
+    rate = d[2] * ray.dz
+    if r > TINY:
+        rate += d[1] * wp.dot(w, ray.w1) / r
+    return wp.vec2d(d[0], rate)
+
+
+@wp.func
+def closest_point(cutter: Cutter, ray: ToolRay, bound: f64) -> f64:
+    """Tau at which a ray that misses the cutter comes closest to it; safeguarded secant on the derivative."""
+    a = -bound
+    b = bound
+    fa = ray_distance(cutter, ray, a)[1]
+    fb = ray_distance(cutter, ray, b)[1]
+    tau = f64(0.0)
+    step = int(0)
+    while step < GAP_STEPS:
+        tau = f64(0.5) * (a + b)
+        if step % 2 == 1 and fb > fa:
+            tau = wp.clamp((a * fb - b * fa) / (fb - fa), a + f64(0.01) * (b - a), b - f64(0.01) * (b - a))
+        f = ray_distance(cutter, ray, tau)[1]
+        if wp.abs(f) < f64(1.0e-12) or b - a < f64(1.0e-13):
+            break
+        if f < f64(0.0):
+            a = tau
+            fa = f
+        else:
+            b = tau
+            fb = f
+        step += 1
+    return tau

@@ -1,0 +1,1 @@
+"""Scenes shipped with gearsim, one TOML file per worked example."""
