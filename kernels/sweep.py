@@ -370,24 +370,24 @@ def overlap(a: Chord, b: Chord) -> bool:
 
 @wp.func
 def separating_pose(
-    cutter: Cutter, motion: Motion, row: int, origin: wp.vec3d, direction: wp.vec3d, a: Chord, b: Chord
-) -> Chord:
-    """Between two disjoint chords, a pose that misses, or one that bridges them once they overlap."""
-    middle = a
+    cutter: Cutter, motion: Motion, row: int, origin: wp.vec3d, direction: wp.vec3d, left: Chord, right: Chord
+) -> Chord:  # fmt: skip
+    """Between two disjoint chords, a pose that misses; ``right`` where a chain of overlaps joins them."""
+    a = left
+    b = right
     step = int(0)
-    while step < 48:
-        x = f64(0.5) * (a.entry.x + b.entry.x)
-        middle = chord_at(cutter, motion, row, origin, direction, x)
-        if middle.entry.found == 0:
-            return middle
-        if overlap(a, middle):
-            a = middle
-            if overlap(a, b):
-                return middle
+    while step < MAX_EVALUATIONS:
+        if overlap(a, b):
+            if b.entry.x == right.entry.x:
+                return right
+            a = b
+            b = right
         else:
-            b = middle
+            b = chord_at(cutter, motion, row, origin, direction, f64(0.5) * (a.entry.x + b.entry.x))
+            if b.entry.found == 0:
+                return b
         step += 1
-    return middle
+    return right
 
 
 @wp.func

@@ -12,8 +12,8 @@ from scipy.spatial import cKDTree
 from gearsim.cutters.profile import Profile
 from gearsim.envelope.surface import BRANCHES, envelope_grid, envelope_points
 from gearsim.envelope.trim import distance_rate
+from gearsim.geometry.rays import RayBundle
 from gearsim.motion.sources import MotionSource
-from gearsim.simulation.rays import RayBundle
 
 _POSES = 192
 _PER_ELEMENT = 12

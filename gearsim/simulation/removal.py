@@ -15,12 +15,13 @@ from numpy.typing import NDArray
 
 from gearsim.cutters.profile import Profile
 from gearsim.errors import InputError, NumericalError, Status, explain
+from gearsim.geometry.rays import RayBundle
 from gearsim.kernels import removal as kernels
 from gearsim.kernels.interval import IntervalLists
 from gearsim.kernels.pose import Motion
 from gearsim.kernels.profile import ARC, LINE, Cutter
 from gearsim.motion.segments import SegmentTable
-from gearsim.simulation.rays import IntervalSet, RayBundle, from_lists
+from gearsim.simulation.intervals import IntervalSet, from_lists
 
 TILE_RAYS = 1 << 20
 SLICE_RAYS = 2048

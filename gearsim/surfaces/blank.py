@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
-from math import atan2, cos, pi, sin, tan
+from math import atan2, cos, degrees, pi, sin, tan
 
 import numpy as np
 from numpy.typing import NDArray
@@ -55,8 +55,11 @@ class BevelBlank:
                 f"face width {self.face_width:g} mm must be positive and below the cone distance "
                 f"{self.cone_distance:g} mm"
             )
-        if not 0.0 < self.root_angle < self.face_angle < pi:
-            problems.append("the root angle must be positive and below the face angle")
+        if not 0.0 < self.root_angle <= self.pitch <= self.face_angle < pi:
+            problems.append(
+                f"root angle {degrees(self.root_angle):.4g}, pitch angle {degrees(self.pitch):.4g} and face "
+                f"angle {degrees(self.face_angle):.4g} deg must rise in this order (are they in degrees?)"
+            )
         elif self.dedendum_at(self.toe) <= 0.0 or self.whole_depth_at(self.toe) <= 0.0:
             problems.append("the tooth vanishes at the toe: dedendum or whole depth is not positive there")
         if not 0.0 <= self.clearance < self.whole_depth_at(self.mean):

@@ -129,6 +129,11 @@ class RuledBevelTooth:
         """Half width [mm] of the slot at profile height h [mm] of the working flank (Zhou 3.34)."""
         return self.fillet_half_width + (h - self.fillet_height) * tan(self.pressure_angle)
 
+    def across(self, spine: Spine) -> NDArray:
+        """Ratio of a width normal to the lengthwise curve to the same width in the profile plane."""
+        tangent = series.unit(spine.origin.derivative()).value
+        return np.abs((np.cross(spine.z.value, tangent) * spine.y.value).sum(1))
+
     def side_sign(self, side: Side) -> float:
         """+1 where the wall stands on the profile's +y side: the convex one in a left-hand gear."""
         return (1.0 if side == "convex" else -1.0) * (1.0 if self.hand == "left" else -1.0)
@@ -225,6 +230,19 @@ class ToothPatch:
             if np.abs(step).max(initial=0.0) < 1e-14:
                 break
         return phi, v
+
+    def windows(self, phi: NDArray, v: NDArray) -> tuple[NDArray, NDArray]:
+        """Half the tooth's thickness and half the slot's width [mm] about points, shape (n,).
+
+        In the section normal to the lengthwise curve at the points' height; fillets and bottom land take
+        the values where the working flank begins.
+        """
+        spine = self.tooth.spine(phi, 1)
+        height = v if self.part == "flank" else np.full(np.shape(v), self.tooth.fillet_height)
+        across = self.tooth.across(spine)
+        slot = np.asarray(self.tooth.half_width(height)) * across
+        radius = np.hypot(*spine.origin.value[:, :2].T) + height * cos(self.tooth.blank.pitch)
+        return pi * radius / self.tooth.blank.teeth * across - slot, slot
 
     @property
     def _nominal_end(self) -> float:

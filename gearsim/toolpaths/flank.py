@@ -70,7 +70,7 @@ class FlankPath:
         tip = contact - radial * radius.column - axis * height.column
         return PoseSeries(tip, series.Series(axis.c[: tip.order + 1]))
 
-    def cl_points(self, points: int) -> CLMotion:
+    def cl_motion(self, points: int) -> CLMotion:
         """The path as CL data with ``points`` points over the face, the run at the same spacing."""
         if points < 2:
             raise InputError(f"CL data needs at least 2 points over the face, got {points}")
@@ -84,27 +84,26 @@ class FlankPath:
         return CLMotion(pose.tip.value, pose.axis.value)
 
     def check_passage(self, samples: int = 65) -> None:
-        """Raise InputError where the cutter is wider than the slot's mouth between the tip edges.
+        """Raise InputError where the cutter is so wide that it would cut the next tooth's tip away.
 
-        Compares the cutter's diameter with the distance between the two tip edges in the section normal
-        to the lengthwise curve, all along the face.
+        Compares the cutter's diameter at the mouth of the slot with the distance between the tip edges,
+        normal to the lengthwise curve; less than half the next tooth's tip land may be cut.
         """
         blank = self.tooth.blank
         phi = self.tooth.phi_at(np.linspace(blank.toe, blank.cone_distance, samples))
         spine = self.tooth.spine(phi, 1)
         depth = np.asarray(blank.whole_depth_at(spine.cone.value))
-        tangent = series.unit(spine.origin.derivative()).value
-        across = np.abs((np.cross(spine.z.value, tangent) * spine.y.value).sum(1))
-        mouth = 2.0 * np.asarray(self.tooth.half_width(depth)) * across
-        tip = self.poses(phi, 0)
-        edge = spine.origin.value + spine.z.value * depth[:, None]
-        height = ((edge - tip.tip.value) * tip.axis.value).sum(1)
+        half_land, half_mouth = self.tooth.flank(self.side).windows(phi, depth)
+        pose = self.poses(phi, 0)
+        mouth = spine.origin.value + spine.z.value * depth[:, None]
+        height = ((mouth - pose.tip.value) * pose.axis.value).sum(1)
         width = np.array([2.0 * self.cutter.radius_at(min(h, self.cutter.height)) for h in height])
-        worst = int(np.argmax(width - mouth))
-        if width[worst] > mouth[worst]:
-            cone = float(spine.cone.value[worst])
+        excess = width - 2.0 * half_mouth - half_land
+        worst = int(np.argmax(excess))
+        if excess[worst] > 0.0:
             raise InputError(
-                f"the cutter cannot pass between the tip edges: at cone distance {cone:.2f} mm it is "
-                f"{width[worst]:.2f} mm wide at the mouth of the slot, which is {mouth[worst]:.2f} mm; "
+                "the cutter cannot pass between the tip edges: at cone distance "
+                f"{spine.cone.value[worst]:.2f} mm it is {width[worst]:.2f} mm wide at the slot's mouth of "
+                f"{2.0 * half_mouth[worst]:.2f} mm, and would cut the next tooth's tip away; "
                 "choose a smaller bottom radius, fillet or taper"
             )

@@ -1,0 +1,117 @@
+"""A job: a scene made ready to run, with its geometry, program and motions, nothing cut yet."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from gearsim.cutters.profile import Profile
+from gearsim.errors import InputError
+from gearsim.metrology.bevel import FlankMotion
+from gearsim.metrology.dexel_check import slot_box
+from gearsim.motion.segments import SegmentTable, compile_motion, join
+from gearsim.motion.sources import CLMotion, MotionSource
+from gearsim.programs.cldata import CLPath, CLProgram, assemble, format_cl, parse_cl, read_cl
+from gearsim.scene import Scene
+from gearsim.surfaces.ruled_bevel import SIDES, RuledBevelTooth, Side
+from gearsim.toolpaths.flank import FlankPath
+
+RAPID = "rapid"
+
+
+@dataclass(frozen=True)
+class Job:
+    """A scene made ready to run: geometry, program and motions, nothing cut yet.
+
+    ``paths`` are the program's exact motions in order, ``path_names`` their names, ``path_tables`` the
+    tables compiled from them; ``theory`` holds the planner's continuous motions, by flank.
+    """
+
+    scene: Scene
+    tooth: RuledBevelTooth
+    cutter: Profile
+    cl_text: str
+    path_names: tuple[str, ...]
+    paths: tuple[MotionSource, ...]
+    path_tables: tuple[SegmentTable, ...]
+    planners: dict[Side, FlankPath]
+    theory: dict[Side, FlankMotion]
+
+    @property
+    def program(self) -> SegmentTable:
+        return join(list(self.path_tables))
+
+    def own_paths(self, side: Side) -> list[int]:
+        """Indices of the paths that finish a flank: those named after it, else every cutting path."""
+        named = [i for i, name in enumerate(self.path_names) if name == side]
+        return named or [i for i, name in enumerate(self.path_names) if name != RAPID]
+
+    def compiled(self, source: MotionSource) -> SegmentTable:
+        """A motion of this job's cutter as a table, to the scene's tolerance."""
+        return compile_motion(source, self.cutter.reach, self.scene.simulation.compile_tolerance_mm)
+
+    def ray_count(self) -> int:
+        """Rays the run will cut."""
+        m = self.scene.metrology
+        dense, coarse = m.rows * m.columns, m.inspection_rows * m.inspection_columns
+        lines = 2 * len(m.profile_offsets_mm)
+        motions = 3 if self.theory else 2
+        flank = motions * (dense + coarse) + lines + dense
+        converge = (len(m.convergence) + 1) * dense if self.theory else 0
+        box = slot_box(self.tooth, self.scene.simulation.dexel_pitch_mm).counts
+        dexels = int(box[0] * box[1] + box[1] * box[2] + box[0] * box[2])
+        return 2 * (flank + converge) + 3 * dense + dexels
+
+
+def plan(scene: Scene, folder: Path) -> Job:
+    """Build the geometry, plan or read the toolpath, and compile the motions of a scene.
+
+    ``folder`` is where a relative CL file name is looked up.
+    """
+    tooth, cutter = scene.tooth(), scene.tool()
+    table = scene.toolpath
+    planners: dict[Side, FlankPath] = {}
+    if table.file is not None:
+        text = read_cl(folder / table.file)
+        program = parse_cl(text, str(folder / table.file))
+        _check_cutter(program, cutter, table.file)
+    else:
+        planners = {side: FlankPath(tooth, side, cutter, table.run_mm) for side in SIDES}
+        text = _planned_program(planners, cutter, scene)
+        program = parse_cl(text, "planned CL data")
+    sources = [CLMotion(p.tips, p.axes) for p in program.paths]
+    theory_motions = {side: planner.motion for side, planner in planners.items()}
+    tolerance = scene.simulation.compile_tolerance_mm
+    tables = [compile_motion(s, cutter.reach, tolerance) for s in sources]
+    theory = {
+        side: FlankMotion([motion], compile_motion(motion, cutter.reach, tolerance))
+        for side, motion in theory_motions.items()
+    }
+    names = tuple(p.name for p in program.paths)
+    return Job(scene, tooth, cutter, text, names, tuple(sources), tuple(tables), planners, theory)
+
+
+def _planned_program(planners: dict[Side, FlankPath], cutter: Profile, scene: Scene) -> str:
+    """Our own CL program as text; what is simulated is read back from it."""
+    table = scene.toolpath
+    passes = []
+    for side, planner in planners.items():
+        planner.check_passage()
+        motion = planner.cl_motion(table.points)
+        passes.append(CLPath(side, motion.tips, motion.axes))
+    program = assemble(passes, table.retract_mm, cutter)
+    return format_cl(program, scene.name, table.feed_mm_min, table.decimals)
+
+
+def _check_cutter(program: CLProgram, cutter: Profile, file: str) -> None:
+    """Refuse a CL file made for another cutter than the scene's."""
+    if program.cutter is None:
+        return
+    sizes = np.array([[p.height, p.max_radius, p.elements[0].end[0]] for p in (program.cutter, cutter)])
+    if np.abs(sizes[0] - sizes[1]).max() > 1e-5:
+        theirs, ours = (
+            f"height {s[0]:.6g}, largest radius {s[1]:.6g}, bottom radius {s[2]:.6g}" for s in sizes
+        )
+        raise InputError(f"{file} is for a cutter of {theirs} mm, but the scene's [cutter] has {ours} mm")

@@ -1,0 +1,50 @@
+"""Closest points on a patch of the intended surface: signed distance of any point, without rays."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial import cKDTree
+
+from gearsim.metrology.samples import SampleGrid
+
+_STEPS = 20
+_SETTLED = 1e-12
+
+
+def signed_distance(grid: SampleGrid, points: NDArray) -> tuple[NDArray, NDArray, NDArray]:
+    """Signed distance [mm] of points, shape (n, 3), to the grid's patch along its outward normal.
+
+    Positive outside the intended material. Returns (distance, phi, v); nan where the foot point leaves
+    the grid's range. Newton's method on the squared distance, started from the nearest grid point.
+    """
+    patch = grid.patch
+    flat = grid.point.reshape(-1, 3)
+    nearest = cKDTree(flat).query(points)[1]
+    phi, v = grid.phi.ravel()[nearest], grid.v.ravel()[nearest]
+    step = np.full(len(points), np.inf)
+    for _ in range(_STEPS):
+        jet = patch.jet(phi, v)
+        miss = jet.r - points
+        g1, g2 = _dot(miss, jet.ru), _dot(miss, jet.rv)
+        a = _dot(jet.ru, jet.ru) + _dot(miss, jet.ruu)
+        b = _dot(jet.ru, jet.rv) + _dot(miss, jet.ruv)
+        c = _dot(jet.rv, jet.rv) + _dot(miss, jet.rvv)
+        det = a * c - b * b
+        dphi, dv = (b * g2 - c * g1) / det, (b * g1 - a * g2) / det
+        phi, v = phi + dphi, v + dv
+        step = np.abs(dphi) * np.sqrt(_dot(jet.ru, jet.ru)) + np.abs(dv) * np.sqrt(_dot(jet.rv, jet.rv))
+        if step.max(initial=0.0) < _SETTLED:
+            break
+    jet = patch.jet(phi, v)
+    distance = _dot(points - jet.r, jet.normal)
+    inside = (step < 1e-9) & _between(phi, grid.phi) & _between(v, grid.v)
+    return np.where(inside, distance, np.nan), phi, v
+
+
+def _between(values: NDArray, limits: NDArray) -> NDArray:
+    return (values >= limits.min()) & (values <= limits.max())
+
+
+def _dot(a: NDArray, b: NDArray) -> NDArray:
+    return np.einsum("ij,ij->i", a, b)

@@ -1,0 +1,120 @@
+"""Findings: what a gear engineer must be told, with depth and place."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gearsim.metrology.bevel import FlankResult, PatchResult
+from gearsim.metrology.deviation import Crossing, Deviation
+from gearsim.metrology.samples import SampleGrid
+
+
+@dataclass(frozen=True)
+class Finding:
+    """``depth_um`` (negative: cut into the tooth; positive: material left) at ``place_mm``, gear frame.
+
+    ``fails``: beyond the scene's tolerance.
+    """
+
+    kind: str
+    patch: str
+    depth_um: float
+    place_mm: tuple[float, float, float]
+    cone_distance_mm: float
+    height_mm: float
+    fails: bool
+    text: str
+
+
+def flank_findings(flank: FlankResult, tolerance_um: float, rapid: NDArray) -> list[Finding]:
+    """Cross-cuts by other passes, rapid moves through the tooth, and deviations out of tolerance.
+
+    ``rapid`` says of every segment of the program whether it is a rapid move.
+    """
+    found = []
+    if flank.others is not None:
+        worst = _deepest(flank.grid, flank.others)
+        if worst is not None:
+            text = f"another pass cuts the {flank.side} flank beyond its intended surface"
+            found.append(_finding("cross_cut", flank.grid, *worst, tolerance_um, text))
+    hit = flank.all_passes.segment
+    by_rapid = (hit >= 0) & rapid[np.maximum(hit, 0)] if len(rapid) else np.zeros(hit.shape, dtype=bool)
+    if by_rapid.any():
+        i = int(np.flatnonzero(by_rapid.ravel())[0])
+        text = f"a rapid move cuts the {flank.side} flank"
+        found.append(_finding("rapid_cut", flank.grid, i, _depth(flank.all_passes, flank.grid, i), 0.0, text))
+    found += _out_of_tolerance(flank, tolerance_um)
+    return found
+
+
+def root_findings(patches: Sequence[PatchResult], tolerance_um: float) -> list[Finding]:
+    """The deepest cut and the most material left, over fillets and bottom land."""
+    found = []
+    cuts = [(p, worst) for p in patches if (worst := _deepest(p.grid, p.deviation)) is not None]
+    if cuts:
+        patch, (i, depth) = min(cuts, key=lambda c: c[1][1])
+        text = f"the {_where(patch.grid)} is overcut"
+        found.append(_finding("root_cut", patch.grid, i, depth, tolerance_um, text))
+    left = [(p, int(np.argmax(_height(p.deviation, p.grid)))) for p in patches]
+    patch, i = max(left, key=lambda c: _height(c[0].deviation, c[0].grid)[c[1]])
+    depth = 1e3 * float(_height(patch.deviation, patch.grid)[i])
+    text = f"stock is left on the {_where(patch.grid)}; it takes a pass of its own"
+    found.append(_finding("root_stock", patch.grid, i, depth, np.inf, text))
+    return found
+
+
+def _out_of_tolerance(flank: FlankResult, tolerance_um: float) -> list[Finding]:
+    found = []
+    crossing = flank.all_passes.crossing.ravel()
+    for kind, what in ((Crossing.UNCUT, "uncut"), (Crossing.THROUGH, "through")):
+        where = np.flatnonzero(crossing == kind)
+        if len(where):
+            i = int(where[0])
+            text = f"{len(where)} samples of the {flank.side} flank are {what}: beyond the measuring window"
+            depth = _depth(flank.all_passes, flank.grid, i)
+            found.append(_finding(what, flank.grid, i, depth, 0.0, text))
+    um = np.where(np.isfinite(flank.all_passes.value), 1e3 * flank.all_passes.value, 0.0).ravel()
+    i = int(np.argmax(np.abs(um)))
+    if abs(um[i]) > tolerance_um:
+        text = f"the {flank.side} flank is out of tolerance after all passes"
+        found.append(_finding("out_of_tolerance", flank.grid, i, float(um[i]), tolerance_um, text))
+    return found
+
+
+def _deepest(grid: SampleGrid, deviation: Deviation) -> tuple[int, float] | None:
+    """Index and depth [um] of the deepest overcut, or None where nothing is overcut."""
+    depth = np.where(deviation.crossing == Crossing.THROUGH, -grid.inward, np.nan_to_num(deviation.value))
+    i = int(np.argmin(depth))
+    return (i, 1e3 * float(depth.ravel()[i])) if depth.ravel()[i] < 0.0 else None
+
+
+def _height(deviation: Deviation, grid: SampleGrid) -> NDArray:
+    """Material left [mm], at least, flat."""
+    uncut = deviation.crossing == Crossing.UNCUT
+    return np.where(uncut, grid.outward, np.nan_to_num(deviation.value)).ravel()
+
+
+def _depth(deviation: Deviation, grid: SampleGrid, i: int) -> float:
+    """Deviation [um] of one sample; the window's end where it was not measured."""
+    crossing = deviation.crossing.ravel()[i]
+    if crossing == Crossing.MEASURED:
+        return 1e3 * float(deviation.value.ravel()[i])
+    return 1e3 * float(grid.outward.ravel()[i] if crossing == Crossing.UNCUT else -grid.inward.ravel()[i])
+
+
+def _where(grid: SampleGrid) -> str:
+    return "bottom land" if grid.patch.part == "bottom" else grid.patch.name
+
+
+def _finding(kind: str, grid: SampleGrid, i: int, depth_um: float, tolerance_um: float, text: str) -> Finding:
+    point = grid.point.reshape(-1, 3)[i]
+    blank = grid.patch.tooth.blank
+    cone, height = blank.cone_height(point)
+    x, y, z = (float(c) for c in point)
+    above_root = float(height + blank.dedendum_at(cone))
+    fails = abs(depth_um) > tolerance_um
+    return Finding(kind, grid.patch.name, depth_um, (x, y, z), float(cone), above_root, fails, text)

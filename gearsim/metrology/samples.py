@@ -1,0 +1,81 @@
+"""Where the tooth is measured: grids of points on a patch of the intended surface, with their normals."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gearsim.geometry.rays import RayBundle
+from gearsim.surfaces.ruled_bevel import ToothPatch
+
+
+@dataclass(frozen=True)
+class SampleGrid:
+    """Points of one patch on a grid: rows from root to tip, columns from toe to heel.
+
+    ``length`` (columns,) and ``height`` (rows,) are the fractions of ToothPatch.locate; ``phi``, ``v``
+    (rows, columns) the surface parameters; ``point`` [mm] and ``normal`` (out of the material), shape
+    (rows, columns, 3); ``inward``, ``outward`` [mm], shape (rows, columns), the measuring window: half
+    the tooth's thickness and half the slot's width there.
+    """
+
+    patch: ToothPatch
+    length: NDArray[np.floating]
+    height: NDArray[np.floating]
+    phi: NDArray[np.floating]
+    v: NDArray[np.floating]
+    point: NDArray[np.floating]
+    normal: NDArray[np.floating]
+    inward: NDArray[np.floating]
+    outward: NDArray[np.floating]
+
+    @property
+    def shape(self) -> tuple[int, int]:
+        return (len(self.height), len(self.length))
+
+    def rays(self) -> RayBundle:
+        """Rays along the normals, row-major, material behind their origins."""
+        n = self.point.size // 3
+        return RayBundle(
+            self.point.reshape(n, 3), self.normal.reshape(n, 3), -self.inward.ravel(), self.outward.ravel()
+        )
+
+
+def sample_grid(
+    patch: ToothPatch, rows: int, columns: int, margin: float = 0.0, window: float = 1.0
+) -> SampleGrid:
+    """A grid of ``rows`` x ``columns`` points that leaves ``margin`` (a fraction) free at every edge.
+
+    ``window`` scales the measuring windows.
+    """
+    height = np.linspace(margin, 1.0 - margin, rows)
+    length = np.linspace(margin, 1.0 - margin, columns)
+    phi, v = patch.locate(*np.broadcast_arrays(length[None, :], height[:, None]))
+    jet = patch.jet(phi.ravel(), v.ravel())
+    inward, outward = patch.windows(phi.ravel(), v.ravel())
+    shape = (rows, columns)
+    return SampleGrid(
+        patch, length, height, phi, v, jet.r.reshape(*shape, 3), jet.normal.reshape(*shape, 3),
+        window * inward.reshape(shape), window * outward.reshape(shape),
+    )  # fmt: skip
+
+
+def profile_rays(patch: ToothPatch, offsets: NDArray, contact_height: float) -> tuple[RayBundle, RayBundle]:
+    """Rays of the mean profile: at profile heights ``offsets`` [mm] from the contact height.
+
+    Zhou 2015, figure 4.15: the points L0 to L6 in the profile plane of the mean point. Returns the rays
+    along the surface normal and those along the profile's normal in that plane.
+    """
+    h = contact_height + np.asarray(offsets, dtype=float)
+    phi = np.zeros(len(h))
+    jet = patch.jet(phi, h)
+    inward, outward = patch.windows(phi, h)
+    across = patch.tooth.spine(phi, 0).x.value
+    in_plane = jet.normal - np.einsum("ij,ij->i", jet.normal, across)[:, None] * across
+    in_plane /= np.linalg.norm(in_plane, axis=1, keepdims=True)
+    return (
+        RayBundle(jet.r, jet.normal, -inward, outward),
+        RayBundle(jet.r, in_plane, -inward, outward),
+    )

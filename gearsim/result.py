@@ -1,0 +1,42 @@
+"""What a run leaves behind: arrays, statuses, timings and provenance, ready to be written."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Any, Literal
+
+from gearsim.cutters.profile import Profile
+from gearsim.metrology.bevel import FlankResult, PatchResult
+from gearsim.metrology.dexel_check import DexelResult
+from gearsim.metrology.findings import Finding
+from gearsim.motion.sources import MotionSource
+from gearsim.surfaces.ruled_bevel import RuledBevelTooth, Side
+
+Verdict = Literal["pass", "fail", "unchecked"]
+
+
+@dataclass(frozen=True)
+class Result:
+    """A finished run. ``timings_s`` and ``counts`` have the keys of report.json."""
+
+    scene: dict[str, Any]
+    device: str
+    tooth: RuledBevelTooth
+    cutter: Profile
+    cl_text: str
+    flanks: dict[Side, FlankResult]
+    patches: dict[str, PatchResult]
+    dexels: DexelResult
+    paths: dict[str, MotionSource]
+    path_of_segment: tuple[str, ...]
+    findings: tuple[Finding, ...]
+    verdict: Verdict
+    status: str
+    counts: dict[str, int]
+    timings_s: dict[str, float]
+    versions: dict[str, str] = field(default_factory=dict)
+
+    @property
+    def exit_code(self) -> int:
+        """0 within tolerance, 1 out of it, 3 where a numerical status forbids trust."""
+        return {"pass": 0, "fail": 1, "unchecked": 3}[self.verdict]

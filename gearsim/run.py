@@ -1,0 +1,181 @@
+"""One verb: run a scene and return its Result. Writing files is the output room's work."""
+
+from __future__ import annotations
+
+from importlib.metadata import version
+from pathlib import Path
+from platform import python_version
+from time import perf_counter
+from typing import Protocol
+
+import numpy as np
+
+import gearsim
+from gearsim.errors import Status
+from gearsim.job import RAPID, Job, plan
+from gearsim.metrology.bevel import (
+    Convergence,
+    FlankMotion,
+    FlankPlan,
+    FlankResult,
+    measure_convergence,
+    measure_flank,
+    measure_root,
+)
+from gearsim.metrology.dexel_check import measure_dexels
+from gearsim.metrology.findings import Finding, flank_findings, root_findings
+from gearsim.metrology.machine import MeasuringMachine
+from gearsim.metrology.roads import LIMIT_UM
+from gearsim.metrology.samples import SampleGrid, sample_grid
+from gearsim.motion.segments import join
+from gearsim.motion.sources import MotionSource
+from gearsim.result import Result, Verdict
+from gearsim.scene import Scene, load_scene, scene_table
+from gearsim.simulation.removal import prepare
+from gearsim.surfaces.ruled_bevel import SIDES, Side
+
+
+class Progress(Protocol):
+    """Told of a run's progress; the silent default does nothing."""
+
+    def stage(self, name: str, total: int) -> None: ...
+
+    def advance(self, amount: int) -> None: ...
+
+
+class _Silent:
+    def stage(self, name: str, total: int) -> None:
+        pass
+
+    def advance(self, amount: int) -> None:
+        pass
+
+
+def run(
+    scene: Scene | str | Path, *, device: str = "cpu", overrides: tuple[str, ...] = (),
+    progress: Progress | None = None,
+) -> Result:  # fmt: skip
+    """Simulate a scene and measure the machined tooth.
+
+    ``scene`` is a Scene, a built-in name or a path; ``overrides`` are ``table.key=value`` strings;
+    ``device`` is ``cpu`` or ``cuda:0``, .... Raises InputError for anything wrong in the input and
+    NumericalError where a kernel status forbids trust.
+    """
+    started = perf_counter()
+    progress = progress or _Silent()
+    progress.stage("planning", 0)
+    job = plan(scene, Path()) if isinstance(scene, Scene) else plan(*load_scene(scene, overrides))
+    planned = perf_counter()
+    progress.stage("compiling kernels", 0)
+    compile_s = prepare(device)
+    simulation = job.scene.simulation
+    machine = MeasuringMachine(
+        job.cutter, device, simulation.tolerance_mm, simulation.interval_slots, progress.advance
+    )
+    progress.stage("cutting and measuring", job.ray_count())
+    result = _measure(job, machine, device)
+    timings = {
+        "compile": compile_s, "plan": planned - started, "kernel": machine.kernel_s,
+        "total": perf_counter() - started,
+    }  # fmt: skip
+    result.timings_s.update(timings)
+    return result
+
+
+def _measure(job: Job, machine: MeasuringMachine, device: str) -> Result:
+    """Measure everything the report holds."""
+    metrology = job.scene.metrology
+    flanks = {side: _measure_side(job, machine, side) for side in SIDES}
+    root = measure_root(
+        machine, job.tooth, job.program, max(3, metrology.rows // 2), metrology.columns, metrology.window
+    )
+    pitch = job.scene.simulation.dexel_pitch_mm
+    grids = [flank.grid for flank in flanks.values()]
+    dexels = measure_dexels(machine, job.tooth, job.program, pitch, grids)
+    path_of_segment = tuple(job.path_names[i] for i in job.program.path)
+    rapid = np.array([name == RAPID for name in path_of_segment])
+    findings: list[Finding] = []
+    for flank in flanks.values():
+        findings += flank_findings(flank, metrology.tolerance_um, rapid)
+    findings += root_findings(list(root.values()), metrology.root_tolerance_um)
+    verdict, status = _verdict(list(flanks.values()), findings)
+    return Result(
+        scene=scene_table(job.scene),
+        device=device,
+        tooth=job.tooth,
+        cutter=job.cutter,
+        cl_text=job.cl_text,
+        flanks=flanks,
+        patches=root,
+        dexels=dexels,
+        paths={**{side: m.sources[0] for side, m in job.theory.items()}} or dict(_named_paths(job)),
+        path_of_segment=path_of_segment,
+        findings=tuple(findings),
+        verdict=verdict,
+        status=status,
+        counts={
+            "rays": machine.rays,
+            "segments": len(job.program),
+            "pairs": machine.pairs,
+            "candidates": machine.candidates,
+        },
+        timings_s={},
+        versions=_versions(),
+    )
+
+
+def _named_paths(job: Job) -> list[tuple[str, MotionSource]]:
+    cutting = [(n, s) for n, s in zip(job.path_names, job.paths, strict=True) if n != RAPID]
+    return [(f"{name} {i + 1}", source) for i, (name, source) in enumerate(cutting)]
+
+
+def _measure_side(job: Job, machine: MeasuringMachine, side: Side) -> FlankResult:
+    metrology, patch = job.scene.metrology, job.tooth.flank(side)
+    grid = sample_grid(patch, metrology.rows, metrology.columns, window=metrology.window)
+    inspection = sample_grid(
+        patch, metrology.inspection_rows, metrology.inspection_columns, metrology.inspection_margin,
+        metrology.window,
+    )  # fmt: skip
+    own = job.own_paths(side)
+    others = [t for i, t in enumerate(job.path_tables) if i not in own]
+    blank = job.tooth.blank
+    plan = FlankPlan(
+        side=side,
+        grid=grid,
+        inspection=inspection,
+        contact_height=0.5 * (float(blank.whole_depth_at(blank.mean)) + blank.clearance),
+        profile_offsets=np.array(metrology.profile_offsets_mm),
+        theory=job.theory.get(side),
+        cl=FlankMotion([job.paths[i] for i in own], join([job.path_tables[i] for i in own])),
+        program=job.program,
+        others=join(others) if others else None,
+    )
+    return measure_flank(machine, plan, _convergence(job, machine, side, grid))
+
+
+def _convergence(job: Job, machine: MeasuringMachine, side: Side, grid: SampleGrid) -> Convergence | None:
+    points = job.scene.metrology.convergence
+    if side not in job.planners or not points:
+        return None
+    planner = job.planners[side]
+    return measure_convergence(
+        machine, grid, job.theory[side].table, lambda n: job.compiled(planner.cl_motion(n)), points
+    )
+
+
+def _verdict(flanks: list[FlankResult], findings: list[Finding]) -> tuple[Verdict, str]:
+    """Pass or fail by the findings; unchecked where the two roads do not confirm each other."""
+    gaps = [g for flank in flanks for g in (flank.gap, flank.gap_cl) if g is not None]
+    if not all(g.trusted for g in gaps):
+        worst = max(g.max_um for g in gaps)
+        lost, apart = sum(g.excluded for g in gaps), sum(g.disagree for g in gaps)
+        return "unchecked", (
+            f"the two roads differ by {worst:.3g} um (limit {LIMIT_UM:g}), leave {lost} samples unchecked "
+            f"and disagree on {apart}"
+        )
+    return ("fail" if any(f.fails for f in findings) else "pass"), Status.OK.name or "OK"
+
+
+def _versions() -> dict[str, str]:
+    packages = ("warp-lang", "numpy", "scipy")
+    return {"gearsim": gearsim.__version__, "python": python_version(), **{p: version(p) for p in packages}}
