@@ -17,7 +17,12 @@ Verdict = Literal["pass", "fail", "unchecked"]
 
 @dataclass(frozen=True)
 class Result:
-    """A finished run. ``timings_s`` and ``counts`` have the keys of report.json."""
+    """A finished run.
+
+    ``theory`` holds the planner's continuous motions (empty where the path came from a file),
+    ``own_sources`` the CL motions that finish each flank; ``timings_s`` and ``counts`` have the keys of
+    report.json.
+    """
 
     scene: dict[str, Any]
     device: str
@@ -27,7 +32,8 @@ class Result:
     flanks: dict[Side, FlankResult]
     patches: dict[str, PatchResult]
     dexels: DexelResult
-    paths: dict[str, MotionSource]
+    theory: dict[Side, MotionSource]
+    own_sources: dict[Side, list[MotionSource]]
     path_of_segment: tuple[str, ...]
     findings: tuple[Finding, ...]
     verdict: Verdict

@@ -28,7 +28,6 @@ from gearsim.metrology.machine import MeasuringMachine
 from gearsim.metrology.roads import LIMIT_UM
 from gearsim.metrology.samples import SampleGrid, sample_grid
 from gearsim.motion.segments import join
-from gearsim.motion.sources import MotionSource
 from gearsim.result import Result, Verdict
 from gearsim.scene import Scene, load_scene, scene_table
 from gearsim.simulation.removal import prepare
@@ -52,26 +51,28 @@ class _Silent:
 
 
 def run(
-    scene: Scene | str | Path, *, device: str = "cpu", overrides: tuple[str, ...] = (),
+    scene: Scene | str | Path, *, device: str = "cpu", overrides: tuple[str, ...] = (), folder: Path | None = None,
     progress: Progress | None = None,
 ) -> Result:  # fmt: skip
     """Simulate a scene and measure the machined tooth.
 
-    ``scene`` is a Scene, a built-in name or a path; ``overrides`` are ``table.key=value`` strings;
-    ``device`` is ``cpu`` or ``cuda:0``, .... Raises InputError for anything wrong in the input and
+    ``scene`` is a Scene, a built-in name or a path; ``overrides`` are ``table.key=value`` strings for the
+    latter two; ``folder`` is where relative file names in the scene are looked up (default: the scene file's
+    own folder); ``device`` is ``cpu`` or ``cuda:0``, .... Raises InputError for anything wrong in the input and
     NumericalError where a kernel status forbids trust.
     """
     started = perf_counter()
     progress = progress or _Silent()
     progress.stage("planning", 0)
-    job = plan(scene, Path()) if isinstance(scene, Scene) else plan(*load_scene(scene, overrides))
+    if not isinstance(scene, Scene):
+        scene, found_in = load_scene(scene, overrides)
+        folder = folder or found_in
+    job = plan(scene, folder or Path())
     planned = perf_counter()
     progress.stage("compiling kernels", 0)
     compile_s = prepare(device)
     simulation = job.scene.simulation
-    machine = MeasuringMachine(
-        job.cutter, device, simulation.tolerance_mm, simulation.interval_slots, progress.advance
-    )
+    machine = MeasuringMachine(job.cutter, device, simulation.tolerance_mm, simulation.interval_slots, progress.advance)
     progress.stage("cutting and measuring", job.ray_count())
     result = _measure(job, machine, device)
     timings = {
@@ -108,7 +109,8 @@ def _measure(job: Job, machine: MeasuringMachine, device: str) -> Result:
         flanks=flanks,
         patches=root,
         dexels=dexels,
-        paths={**{side: m.sources[0] for side, m in job.theory.items()}} or dict(_named_paths(job)),
+        theory={side: motion.sources[0] for side, motion in job.theory.items()},
+        own_sources={side: [job.paths[i] for i in job.own_paths(side)] for side in SIDES},
         path_of_segment=path_of_segment,
         findings=tuple(findings),
         verdict=verdict,
@@ -122,11 +124,6 @@ def _measure(job: Job, machine: MeasuringMachine, device: str) -> Result:
         timings_s={},
         versions=_versions(),
     )
-
-
-def _named_paths(job: Job) -> list[tuple[str, MotionSource]]:
-    cutting = [(n, s) for n, s in zip(job.path_names, job.paths, strict=True) if n != RAPID]
-    return [(f"{name} {i + 1}", source) for i, (name, source) in enumerate(cutting)]
 
 
 def _measure_side(job: Job, machine: MeasuringMachine, side: Side) -> FlankResult:

@@ -134,7 +134,7 @@ class SimulationTable(_Table):
     tolerance_mm: float = Field(default=1e-9, ge=1e-12, le=1e-2)
     compile_tolerance_mm: float = Field(default=1e-9, ge=1e-12, le=1e-2)
     interval_slots: int = Field(default=16, ge=1, le=256)
-    dexel_pitch_mm: float = Field(default=0.2, gt=0.0, le=10.0)
+    dexel_pitch_mm: float = Field(default=0.15, gt=0.0, le=10.0)
 
 
 class MetrologyTable(_Table):
@@ -142,8 +142,8 @@ class MetrologyTable(_Table):
 
     tolerance_um: Length
     root_tolerance_um: Length
-    rows: Count = 33
-    columns: Count = 129
+    rows: Count = 21
+    columns: Count = 257
     inspection_rows: Count = 5
     inspection_columns: Count = 9
     inspection_margin: float = Field(default=0.1, ge=0.0, lt=0.5)
@@ -156,6 +156,7 @@ class ReferenceTable(_Table):
     """Table [reference]: published deviations to print beside ours."""
 
     source: str
+    note: str = ""
     overcut_is_positive: bool
     convex_um: tuple[float, ...]
     concave_um: tuple[float, ...]
@@ -208,10 +209,10 @@ def scene_text(name_or_path: str) -> tuple[str, str, Path]:
         except (OSError, UnicodeDecodeError) as error:
             raise InputError(f"cannot read scene {path}: {error}") from error
     near = get_close_matches(name_or_path, scene_names(), n=1, cutoff=0.4)
-    hint = f"; did you mean {near[0]!r}?" if near else ""
+    hint = f"; did you mean {near[0]!r}?" if near else "."
     raise InputError(
-        f"no scene named {name_or_path!r}{hint} Built-in scenes: {', '.join(scene_names())}; "
-        "or give the path of a .toml file"
+        f"no scene named {name_or_path!r}{hint} Built-in scenes: {', '.join(scene_names())}. "
+        "Or give the path of a .toml file."
     )
 
 
@@ -278,9 +279,7 @@ def _explain(error: Any, data: dict[str, Any]) -> str:
     if kind == "extra_forbidden":
         known = _known_keys(where[:-1], data)
         near = get_close_matches(str(where[-1]), known, n=1, cutoff=0.3)
-        return f"{field}: unknown key" + (
-            f"; did you mean {near[0]!r}?" if near else f"; known: {', '.join(known)}"
-        )
+        return f"{field}: unknown key" + (f"; did you mean {near[0]!r}?" if near else f"; known: {', '.join(known)}")
     if kind == "missing":
         return f"{field}: missing"
     if kind == "union_tag_invalid":

@@ -27,9 +27,7 @@ def covers(lists: IntervalLists, ray: int, lo: f64, hi: f64) -> bool:
 
 
 @wp.func
-def insert(
-    lists: IntervalLists, ray: int, lo: f64, hi: f64, lo_segment: int, hi_segment: int, join: f64
-) -> bool:
+def insert(lists: IntervalLists, ray: int, lo: f64, hi: f64, lo_segment: int, hi_segment: int, join: f64) -> bool:
     """Unite [lo, hi] with the list, closing gaps up to ``join``; False where no slot is left."""
     n = lists.count[ray]
     first = int(0)

@@ -175,9 +175,7 @@ def cutter_interval(cutter: Cutter, ray: ToolRay, inflate: f64) -> Hit:
             radius = cutter.slabs[k, 2] + inflate * wp.sqrt(f64(1.0) + slope * slope)
             part = line_interval(ray, radius, slope, cutter.slabs[k, 0], lo, hi)
         else:
-            part = arc_interval(
-                ray, cutter.slabs[k, 2], cutter.slabs[k, 3], cutter.slabs[k, 4] + inflate, lo, hi
-            )
+            part = arc_interval(ray, cutter.slabs[k, 2], cutter.slabs[k, 3], cutter.slabs[k, 4] + inflate, lo, hi)
         if part[0] > part[1]:
             continue
         hit.found = 1

@@ -90,9 +90,7 @@ def contact_rates(cutter: Cutter, pose: Pose, ray: ToolRay, x: f64, tau: f64, fa
 
 
 @wp.func
-def with_rates(
-    pose: Pose, ray: ToolRay, x: f64, tau: f64, z: f64, w: wp.vec3d, r: f64, n: wp.vec2d
-) -> Contact:
+def with_rates(pose: Pose, ray: ToolRay, x: f64, tau: f64, z: f64, w: wp.vec3d, r: f64, n: wp.vec2d) -> Contact:
     """A contact at (r, z) with meridian normal n, and how the distance there changes with x and tau."""
     c = Contact()
     c.found = 1
@@ -106,9 +104,7 @@ def with_rates(
 
 
 @wp.func
-def chord_at(
-    cutter: Cutter, motion: Motion, row: int, origin: wp.vec3d, direction: wp.vec3d, x: f64
-) -> Chord:
+def chord_at(cutter: Cutter, motion: Motion, row: int, origin: wp.vec3d, direction: wp.vec3d, x: f64) -> Chord:
     """The ray's chord through the cutter at parameter x of a row."""
     pose = pose_at(motion, row, x)
     middle = pose.tip + f64(0.5) * cutter.height * pose.axis

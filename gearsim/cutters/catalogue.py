@@ -68,20 +68,14 @@ def _tangency_problems(
     problems = []
     f_right = lower[0] * tan(alpha) + r * cos(alpha)
     if abs(f - f_right) > 1e-6:
-        problems.append(
-            f"the corner is not tangent to the lower line: f = {f:g} mm, {f_right:.6g} mm would be"
-        )
+        problems.append(f"the corner is not tangent to the lower line: f = {f:g} mm, {f_right:.6g} mm would be")
     meet = (upper[0] - upper[1] * tan(beta)) / (1.0 - tan(alpha) * tan(beta))
     if abs(0.5 * d - meet) > 1e-6:
-        problems.append(
-            f"the corner is not tangent to the upper line: d = {d:g} mm, {2.0 * meet:.6g} mm would be"
-        )
+        problems.append(f"the corner is not tangent to the upper line: d = {d:g} mm, {2.0 * meet:.6g} mm would be")
     if h <= upper[1]:
         problems.append(f"height h = {h:g} mm must exceed the corner's end at {upper[1]:.6g} mm")
     elif upper[0] + (h - upper[1]) * tan(beta) <= 0.0:
-        problems.append(
-            f"the upper line meets the axis below the top: beta = {degrees(beta):g} deg is too steep"
-        )
+        problems.append(f"the upper line meets the axis below the top: beta = {degrees(beta):g} deg is too steep")
     return problems
 
 

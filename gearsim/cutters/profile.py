@@ -58,24 +58,27 @@ class Element:
             return MeridianPoints(r, z, nr, nz, np.full(s.shape, 1.0 / self.radius))
         tr, tz = self._tangent
         constant = np.ones(s.shape)
-        return MeridianPoints(
-            self.start[0] + tr * s, self.start[1] + tz * s, tz * constant, -tr * constant, 0.0 * s
-        )
+        return MeridianPoints(self.start[0] + tr * s, self.start[1] + tz * s, tz * constant, -tr * constant, 0.0 * s)
 
     @property
     def _tangent(self) -> tuple[float, float]:
         return (self.end[0] - self.start[0]) / self.length, (self.end[1] - self.start[1]) / self.length
 
-    def closest(self, r: NDArray, z: NDArray) -> NDArray:
-        """Arc lengths s [mm] of the element's points closest to (r, z)."""
-        if self.is_arc:
-            first, last = self._angles
-            angle = np.arctan2(z - self.centre[1], r - self.centre[0])
-            middle = 0.5 * (first + last)
-            angle = (angle - middle + np.pi) % (2.0 * np.pi) - np.pi + middle
-            return self.radius * (np.clip(angle, first, last) - first)
-        tr, tz = self._tangent
-        return np.clip((r - self.start[0]) * tr + (z - self.start[1]) * tz, 0.0, self.length)
+    def nearest(self, r: NDArray, z: NDArray) -> tuple[NDArray, NDArray, NDArray, NDArray]:
+        """The element's points nearest to (r, z) and the normals there: (pr, pz, nr, nz)."""
+        if not self.is_arc:
+            tr, tz = self._tangent
+            s = np.clip((r - self.start[0]) * tr + (z - self.start[1]) * tz, 0.0, self.length)
+            return self.start[0] + s * tr, self.start[1] + s * tz, np.full(r.shape, tz), np.full(r.shape, -tr)
+        dr, dz = r - self.centre[0], z - self.centre[1]
+        size = np.maximum(np.hypot(dr, dz), 1e-300)
+        nr, nz = dr / size, dz / size
+        first, last = self._angles
+        middle, half = 0.5 * (first + last), 0.5 * (last - first)
+        beyond = nr * np.cos(middle) + nz * np.sin(middle) < np.cos(half)
+        end = np.where(nz * np.cos(middle) - nr * np.sin(middle) < 0.0, first, last)
+        nr, nz = np.where(beyond, np.cos(end), nr), np.where(beyond, np.sin(end), nz)
+        return self.centre[0] + self.radius * nr, self.centre[1] + self.radius * nz, nr, nz
 
 
 @dataclass(frozen=True)
@@ -93,14 +96,10 @@ class Profile:
                 raise InputError(f"cutter {self.name!r}: the profile has a gap between {a.end} and {b.start}")
         for e in self.elements:
             if min(e.start[0], e.end[0]) < -1e-12 or e.length <= 0.0:
-                raise InputError(
-                    f"cutter {self.name!r}: profile element {e.start} to {e.end} is empty or r < 0"
-                )
+                raise InputError(f"cutter {self.name!r}: profile element {e.start} to {e.end} is empty or r < 0")
         turns = [self._turn(a, b) for a, b in zip(self.elements, self.elements[1:], strict=False)]
         if min(turns, default=0.0) < -1e-9:
-            raise InputError(
-                f"cutter {self.name!r}: the profile is not convex; only convex cutters are supported"
-            )
+            raise InputError(f"cutter {self.name!r}: the profile is not convex; only convex cutters are supported")
 
     @staticmethod
     def _turn(a: Element, b: Element) -> float:
@@ -177,17 +176,18 @@ class Profile:
         best = np.full(r.shape, np.inf)
         distance, nr, nz = np.empty(r.shape), np.empty(r.shape), np.empty(r.shape)
         for e in self.elements:
-            p = e.at(e.closest(r, z))
-            dr, dz = r - p.r, z - p.z
-            gap = np.hypot(dr, dz)
-            inward = dr * p.nr + dz * p.nz <= 0.0
-            nearer = (gap < best) | ((gap == best) & ~inward)
-            best = np.where(nearer, gap, best)
-            distance = np.where(nearer, np.where(inward, -gap, gap), distance)
-            outside = nearer & ~inward & (gap > 1e-9)
-            with np.errstate(invalid="ignore", divide="ignore"):
-                nr = np.where(outside, dr / gap, np.where(nearer, p.nr, nr))
-                nz = np.where(outside, dz / gap, np.where(nearer, p.nz, nz))
+            pr, pz, mr, mz = e.nearest(r, z)
+            dr, dz = r - pr, z - pz
+            gap2 = dr * dr + dz * dz
+            inward = dr * mr + dz * mz <= 0.0
+            take = (gap2 < best) | ((gap2 == best) & ~inward)
+            best[take] = gap2[take]
+            gap = np.sqrt(gap2[take])
+            distance[take] = np.where(inward[take], -gap, gap)
+            apart = ~inward[take] & (gap > 1e-9)
+            scale = 1.0 / np.where(apart, gap, 1.0)
+            nr[take] = np.where(apart, dr[take] * scale, mr[take])
+            nz[take] = np.where(apart, dz[take] * scale, mz[take])
         return distance, nr, nz
 
     def signed_distance(self, r: NDArray, z: NDArray) -> NDArray:

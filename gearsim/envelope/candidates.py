@@ -22,7 +22,9 @@ _WALKS = 8
 _STEPS = 30
 _LONGEST_STEP = 1.0
 _BEYOND = 0.5
+_CONVERGED = 1e-9
 _SETTLED = 1e-11
+_JOINT_SLACK = 1e-3
 _EDGE_SLACK = 1e-9
 _PROBES = 48
 
@@ -66,8 +68,8 @@ class _Guess(NamedTuple):
 
 def all_candidates(rays: RayBundle, source: MotionSource, cutter: Profile) -> Crossings:
     """Crossings of every class inside the rays' windows."""
-    found, near = _envelope_crossings(rays, source, cutter)
-    parts = [found, _pose_crossings(rays, source, cutter, near)]
+    found, at_joints = _envelope_crossings(rays, source, cutter)
+    parts = [found, _pose_crossings(rays, source, cutter, at_joints)]
     if cutter.edges:
         parts.append(_edge_crossings(rays, source, cutter))
     joined = Crossings(*(np.concatenate(column) for column in zip(*parts, strict=True)))
@@ -78,22 +80,10 @@ def all_candidates(rays: RayBundle, source: MotionSource, cutter: Profile) -> Cr
 def _envelope_crossings(
     rays: RayBundle, source: MotionSource, cutter: Profile
 ) -> tuple[Crossings, tuple[NDArray, NDArray]]:
-    """ENVELOPE crossings, and the (ray, piece) pairs that were looked at."""
-    grid = envelope_grid(source, cutter, _POSES, _PER_ELEMENT)
-    guesses = []
-    for i in range(len(cutter.elements)):
-        for k, branch in enumerate(BRANCHES):
-            columns = np.flatnonzero(grid.element == i)
-            pose, column = np.nonzero(grid.exists[:, columns, k])
-            points = grid.point[pose, columns[column], k]
-            ray, nearest = _nearest(rays, points)
-            pose, column = pose[nearest], columns[column[nearest]]
-            same = np.full(len(ray), i), grid.s[column], np.full(len(ray), branch)
-            guesses.append(_Guess(ray, grid.piece[pose], grid.t[pose], *same))
-    seed = _Guess(*(np.concatenate(column) for column in zip(*guesses, strict=True)))
-    walked = _newton(rays, source, cutter, seed, _WALKS, walk=True)[0]
-    seed = _with_neighbours(walked, source.pieces)
-    solved, tau, settled = _newton(rays, source, cutter, seed, _STEPS, walk=False)
+    """ENVELOPE crossings, and the (ray, joint) pairs where a contact may have run off its piece."""
+    walked = _newton(rays, source, cutter, _seeds(rays, source, cutter), _WALKS, walk=True)[0]
+    guess = _with_neighbours(walked, source.pieces)
+    solved, tau, settled = _newton(rays, source, cutter, guess, _STEPS, walk=False)
     length = np.array([e.length for e in cutter.elements])[solved.element]
     good = settled & _within(solved.t, 1.0) & _within(solved.place, length)
     chosen = _Guess(*(column[good] for column in solved))
@@ -101,7 +91,25 @@ def _envelope_crossings(
     crossings = Crossings(
         chosen.ray, tau[good], kind, chosen.piece, chosen.t, chosen.element, chosen.place, chosen.branch
     )
-    return crossings, (seed.ray, seed.piece)
+    early, late = ~settled | (solved.t < _JOINT_SLACK), ~settled | (solved.t > 1.0 - _JOINT_SLACK)
+    ray = np.concatenate([solved.ray[early], solved.ray[late]])
+    joint = np.concatenate([solved.piece[early], solved.piece[late] + 1])
+    return crossings, (ray, joint)
+
+
+def _seeds(rays: RayBundle, source: MotionSource, cutter: Profile) -> _Guess:
+    """For each ray the nearest envelope point of every profile element and branch within its window."""
+    grid = envelope_grid(source, cutter, _POSES, _PER_ELEMENT)
+    guesses = []
+    for i in range(len(cutter.elements)):
+        columns = np.flatnonzero(grid.element == i)
+        for k, branch in enumerate(BRANCHES):
+            pose, column = np.nonzero(grid.exists[:, columns, k])
+            ray, nearest = _nearest(rays, grid.point[pose, columns[column], k])
+            pose, column = pose[nearest], columns[column[nearest]]
+            same = np.full(len(ray), i), grid.s[column], np.full(len(ray), branch)
+            guesses.append(_Guess(ray, grid.piece[pose], grid.t[pose], *same))
+    return _Guess(*(np.concatenate(column) for column in zip(*guesses, strict=True)))
 
 
 def _nearest(rays: RayBundle, points: NDArray) -> tuple[NDArray, NDArray]:
@@ -127,27 +135,32 @@ def _with_neighbours(guess: _Guess, pieces: int) -> _Guess:
 def _newton(
     rays: RayBundle, source: MotionSource, cutter: Profile, guess: _Guess, steps: int, walk: bool
 ) -> tuple[_Guess, NDArray, NDArray]:
-    """Solve X(t, s) = origin + tau direction; returns the solutions, tau, and which of them settled."""
+    """Solve X(t, s) = origin + tau direction; returns the solutions, tau, and which of them settled.
+
+    ``walk``: a solution that runs off its piece goes on in the next one.
+    """
     ray, piece, t, element, s, branch = (np.array(c) for c in guess)
     origin, direction = rays.origin[ray], rays.direction[ray]
     e1, e2 = _across(direction)
+    live = np.arange(len(ray))
     for _ in range(steps):
-        at = envelope_points(source, cutter, piece, t, element, s, branch)
-        dt, ds, _ = _step(at.point - origin, at.point_t, at.point_s, e1, e2)
-        t, s = t + dt, s + ds
+        at = envelope_points(source, cutter, piece[live], t[live], element[live], s[live], branch[live])
+        dt, ds, miss = _step(at.point - origin[live], at.point_t, at.point_s, e1[live], e2[live])
+        s[live] += ds
+        after = t[live] + dt
         if walk:
-            onward = np.clip(np.floor(t).astype(int), -piece, source.pieces - 1 - piece)
-            piece, t = piece + onward, t - onward
-        t = np.clip(t, -_BEYOND, 1.0 + _BEYOND)
+            onward = np.clip(np.floor(after).astype(int), -piece[live], source.pieces - 1 - piece[live])
+            piece[live] += onward
+            after -= onward
+        t[live] = np.clip(after, -_BEYOND, 1.0 + _BEYOND)
+        live = live[np.isfinite(miss) & (miss > _CONVERGED)]
     at = envelope_points(source, cutter, piece, t, element, s, branch)
     *_, miss = _step(at.point - origin, at.point_t, at.point_s, e1, e2)
     tau = _dot(at.point - origin, direction)
     return _Guess(ray, piece, t, element, s, branch), tau, np.nan_to_num(miss, nan=np.inf) < _SETTLED
 
 
-def _step(
-    miss: NDArray, by_t: NDArray, by_s: NDArray, e1: NDArray, e2: NDArray
-) -> tuple[NDArray, NDArray, NDArray]:
+def _step(miss: NDArray, by_t: NDArray, by_s: NDArray, e1: NDArray, e2: NDArray) -> tuple[NDArray, NDArray, NDArray]:
     """Newton step (dt, ds) that carries the point onto the ray, shortened to 1 mm; 0 where there is none."""
     m1, m2 = _dot(miss, e1), _dot(miss, e2)
     a, b, c, d = _dot(by_t, e1), _dot(by_s, e1), _dot(by_t, e2), _dot(by_s, e2)
@@ -159,12 +172,9 @@ def _step(
     return np.nan_to_num(dt * scale), np.nan_to_num(ds * scale), np.hypot(m1, m2)
 
 
-def _pose_crossings(
-    rays: RayBundle, source: MotionSource, cutter: Profile, near: tuple[NDArray, NDArray]
-) -> Crossings:
-    """JOINT and PATH_END crossings at both ends of the pieces looked at for each ray."""
-    ray, piece = (np.concatenate([near[0]] * 2), np.concatenate([near[1], near[1] + 1]))
-    ray, joint = np.unique(np.stack([ray, piece]), axis=1)
+def _pose_crossings(rays: RayBundle, source: MotionSource, cutter: Profile, near: tuple[NDArray, NDArray]) -> Crossings:
+    """JOINT and PATH_END crossings at the given (ray, joint) pairs; joint i is where piece i begins."""
+    ray, joint = np.unique(np.stack(near), axis=1)
     tau, which = _tool_crossings(rays.part(ray), source, cutter, joint)
     ray, joint = ray[which], joint[which]
     point = rays.origin[ray] + tau[:, None] * rays.direction[ray]
@@ -186,9 +196,7 @@ def _rate_at(source: MotionSource, cutter: Profile, point: NDArray, piece: NDArr
     return distance_rate(cutter, point, tip[0], axis[0], tip[1], axis[1])[1]
 
 
-def _tool_crossings(
-    rays: RayBundle, source: MotionSource, cutter: Profile, joint: NDArray
-) -> tuple[NDArray, NDArray]:
+def _tool_crossings(rays: RayBundle, source: MotionSource, cutter: Profile, joint: NDArray) -> tuple[NDArray, NDArray]:
     """Parameters where each ray crosses the tool standing at its joint, and which ray each belongs to."""
     last = joint == source.pieces
     pose = source.pose(np.where(last, joint - 1, joint), np.where(last, 1.0, 0.0), 0)

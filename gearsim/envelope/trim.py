@@ -61,33 +61,63 @@ def path_distance(source: MotionSource, cutter: Profile, points: NDArray, spacin
     piece, t, curvature = _samples(source, cutter, spacing)
     tip, axis = (s.derivatives() for s in source.pose(piece, t, 1))
     inner = np.flatnonzero(piece[1:] == piece[:-1])
+    width = t[inner + 1] - t[inner]
     least = np.empty(len(points))
     step = max(1, _CHUNK // len(t))
     for begin in range(0, len(points), step):
         chunk = points[begin : begin + step]
-        f, rate = distance_rate(cutter, chunk[:, None], tip[0], axis[0], tip[1], axis[1])
+        f, rate = _sampled(cutter, chunk, tip, axis, spacing)
         lowest = f.min(axis=1)
-        bound = _bound(
-            t[inner + 1] - t[inner], f[:, inner], f[:, inner + 1], rate[:, inner], rate[:, inner + 1],
-            curvature[inner],
-        )  # fmt: skip
-        point, k = np.nonzero(bound < lowest[:, None] - _TOLERANCE)
+        with np.errstate(invalid="ignore"):
+            bound = _bound(width, f[:, inner], f[:, inner + 1], rate[:, inner], rate[:, inner + 1], curvature[inner])
+        known = np.isfinite(f[:, inner]) & np.isfinite(f[:, inner + 1])
+        point, k = np.nonzero(known & (bound < lowest[:, None] - _TOLERANCE))
         i = inner[k]
         stretches = _Stretches(
-            point, piece[i], t[i], t[i + 1], f[point, i], f[point, i + 1], rate[point, i],
-            rate[point, i + 1], curvature[i],
+            point, piece[i], t[i], t[i + 1], f[point, i], f[point, i + 1], rate[point, i], rate[point, i + 1],
+            curvature[i],
         )  # fmt: skip
         least[begin : begin + step] = _refine(source, cutter, chunk, lowest, stretches)
     return least
+
+
+def _sampled(
+    cutter: Profile, points: NDArray, tip: tuple[NDArray, ...], axis: tuple[NDArray, ...], spacing: float
+) -> tuple[NDArray, NDArray]:
+    """Distance and rate, shape (points, samples), where a sample may matter; inf and 0 where it cannot.
+
+    A sample farther than the least known distance by more than ``spacing`` cannot hide less beside it.
+    """
+    f, rate = np.full((len(points), len(tip[0])), np.inf), np.zeros((len(points), len(tip[0])))
+    coarse = slice(None, None, 8)
+    f[:, coarse], rate[:, coarse] = distance_rate(
+        cutter, points[:, None], tip[0][coarse], axis[0][coarse], tip[1][coarse], axis[1][coarse]
+    )
+    known = f.min(axis=1)
+    far = _cone_distance(cutter, points, tip[0], axis[0]) > known[:, None] + spacing
+    i, k = np.nonzero(~far & ~np.isfinite(f))
+    f[i, k], rate[i, k] = distance_rate(cutter, points[i], tip[0][k], axis[0][k], tip[1][k], axis[1][k])
+    return f, rate
+
+
+def _cone_distance(cutter: Profile, points: NDArray, tip: NDArray, axis: NDArray) -> NDArray:
+    """Lower bound of the distance of points to the cutter at poses: to a cone around it, and its ends."""
+    corners = np.array(
+        [c for e in cutter.elements for c in ((cutter.element_radius(e), z) for z in (e.start[1], e.end[1]))]
+    )
+    slope = (corners[-1, 0] - corners[0, 0]) / cutter.height if cutter.height else 0.0
+    base = float((corners[:, 0] - slope * corners[:, 1]).max())
+    z = points @ axis.T - (tip * axis).sum(1)
+    q2 = (points**2).sum(1)[:, None] - 2.0 * points @ tip.T + (tip**2).sum(1)
+    r = np.sqrt(np.maximum(q2 - z * z, 0.0)) - 1e-6
+    return np.maximum((r - base - slope * z) / np.hypot(1.0, slope), np.maximum(-z, z - cutter.height))
 
 
 def _samples(source: MotionSource, cutter: Profile, spacing: float) -> tuple[NDArray, NDArray, NDArray]:
     """Pieces, parameters and curvature bounds of the samples; both ends of every piece are among them."""
     piece = np.repeat(np.arange(source.pieces), 9)
     tip, axis = source.pose(piece, np.tile(np.linspace(0.0, 1.0, 9), source.pieces), 2)
-    (travel, bending), (spin, swing) = (
-        [np.linalg.norm(d, axis=1) for d in s.derivatives()[1:]] for s in (tip, axis)
-    )
+    (travel, bending), (spin, swing) = ([np.linalg.norm(d, axis=1) for d in s.derivatives()[1:]] for s in (tip, axis))
     reach = cutter.reach
     speed = (travel + reach * spin).reshape(-1, 9).max(axis=1)
     curvature = (bending + reach * swing + spin * (2.0 * travel + spin * reach)).reshape(-1, 9).max(axis=1)
@@ -109,9 +139,7 @@ def _bound(width: NDArray, fa: NDArray, fb: NDArray, ra: NDArray, rb: NDArray, c
     return np.minimum(np.minimum(fa, fb), fa + ra * s - 0.5 * curvature * s * s)
 
 
-def _refine(
-    source: MotionSource, cutter: Profile, points: NDArray, least: NDArray, live: _Stretches
-) -> NDArray:
+def _refine(source: MotionSource, cutter: Profile, points: NDArray, least: NDArray, live: _Stretches) -> NDArray:
     """Least distance per point after splitting every stretch that may hold less."""
     for level in range(_LEVELS):
         if not len(live.point):

@@ -139,9 +139,7 @@ def measure_convergence(
     """How the deviation under CL data of N points approaches that of the theoretical motion."""
     rays: list[RayBundle] = [grid.rays()]
     exact = machine.measure(rays, theory)[0].value
-    worst = [
-        float(np.nanmax(1e3 * np.abs(machine.measure(rays, cl_table(n))[0].value - exact))) for n in points
-    ]
+    worst = [float(np.nanmax(1e3 * np.abs(machine.measure(rays, cl_table(n))[0].value - exact))) for n in points]
     return Convergence(tuple(points), tuple(worst))
 
 

@@ -74,6 +74,4 @@ def measure(rays: RayBundle, removed: IntervalSet) -> Deviation:
     measured = crossing == Crossing.MEASURED
     multiple = np.zeros(n, dtype=bool)
     multiple[ray] = removed.hi[row] < rays.end[ray]
-    return Deviation(
-        np.where(measured, value, np.nan), crossing, np.where(measured, segment, -1), multiple & measured
-    )
+    return Deviation(np.where(measured, value, np.nan), crossing, np.where(measured, segment, -1), multiple & measured)

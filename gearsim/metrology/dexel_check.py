@@ -45,9 +45,7 @@ def slot_box(tooth: RuledBevelTooth, pitch: float) -> DexelBox:
     spine = tooth.spine(np.zeros(1), 0)
     local = frame(spine.origin.value[0], spine.x.value[0], spine.z.value[0])
     edges = np.linspace(0.0, 1.0, 33)
-    corners = [
-        patch.jet(*patch.locate(edges, np.full(33, tip))).r for patch in tooth.patches for tip in (0.0, 1.0)
-    ]
+    corners = [patch.jet(*patch.locate(edges, np.full(33, tip))).r for patch in tooth.patches for tip in (0.0, 1.0)]
     points = local.inverse().point(np.concatenate(corners))
     return DexelBox(local, points.min(axis=0) - _MARGIN, points.max(axis=0) + _MARGIN, pitch)
 
@@ -71,9 +69,7 @@ def measure_dexels(
     return DexelResult(box, (bundles[0], bundles[1], bundles[2]), checked, worst)
 
 
-def _foot_gaps(
-    machine: MeasuringMachine, grid: SampleGrid, points: NDArray, program: SegmentTable
-) -> NDArray:
+def _foot_gaps(machine: MeasuringMachine, grid: SampleGrid, points: NDArray, program: SegmentTable) -> NDArray:
     """Distance minus deviation [mm] for dexel ends near a flank, at most a few thousand, evenly picked."""
     distance, phi, v = signed_distance(grid, points)
     near = np.flatnonzero(np.abs(distance) < _NEAR)

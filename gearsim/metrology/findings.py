@@ -62,6 +62,8 @@ def root_findings(patches: Sequence[PatchResult], tolerance_um: float) -> list[F
     left = [(p, int(np.argmax(_height(p.deviation, p.grid)))) for p in patches]
     patch, i = max(left, key=lambda c: _height(c[0].deviation, c[0].grid)[c[1]])
     depth = 1e3 * float(_height(patch.deviation, patch.grid)[i])
+    if depth <= 0.0:
+        return found
     text = f"stock is left on the {_where(patch.grid)}; it takes a pass of its own"
     found.append(_finding("root_stock", patch.grid, i, depth, np.inf, text))
     return found

@@ -46,9 +46,7 @@ class RoadGap:
         return self.max_um <= LIMIT_UM and few and self.disagree == 0
 
 
-def compare_roads(
-    grid: SampleGrid, cutter: Profile, sources: Sequence[MotionSource], removal: Deviation
-) -> RoadGap:
+def compare_roads(grid: SampleGrid, cutter: Profile, sources: Sequence[MotionSource], removal: Deviation) -> RoadGap:
     """Solve the envelope road along a grid's normals and compare it with the removal road's deviation."""
     road = machined_along(grid.rays(), sources, cutter)
     gap = 1e3 * np.abs(road.deviation - removal.value.ravel())

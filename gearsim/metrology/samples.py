@@ -43,9 +43,7 @@ class SampleGrid:
         )
 
 
-def sample_grid(
-    patch: ToothPatch, rows: int, columns: int, margin: float = 0.0, window: float = 1.0
-) -> SampleGrid:
+def sample_grid(patch: ToothPatch, rows: int, columns: int, margin: float = 0.0, window: float = 1.0) -> SampleGrid:
     """A grid of ``rows`` x ``columns`` points that leaves ``margin`` (a fraction) free at every edge.
 
     ``window`` scales the measuring windows.

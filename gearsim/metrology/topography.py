@@ -43,9 +43,7 @@ def topography(grid: SampleGrid, deviation_um: NDArray) -> Topography:
     per_arc = np.abs(lever) / radius
     good = np.isfinite(deviation_um)
     mid_arc = float(deviation_um[middle] / per_arc[middle])
-    best_arc = (
-        float((per_arc[good] @ deviation_um[good]) / (per_arc[good] @ per_arc[good])) if good.any() else 0.0
-    )
+    best_arc = float((per_arc[good] @ deviation_um[good]) / (per_arc[good] @ per_arc[good])) if good.any() else 0.0
     return Topography(
         deviation_um,
         deviation_um - mid_arc * per_arc,

@@ -90,9 +90,7 @@ def _interleave(a: NDArray, b: NDArray) -> NDArray:
     return np.stack([a, b], axis=1).ravel()
 
 
-def _sample(
-    source: MotionSource, piece: NDArray, start: NDArray, end: NDArray, x: NDArray
-) -> tuple[NDArray, NDArray]:
+def _sample(source: MotionSource, piece: NDArray, start: NDArray, end: NDArray, x: NDArray) -> tuple[NDArray, NDArray]:
     """Exact tips and axes, shape (n, len(x), 3), at local parameters x of every part."""
     t = start[:, None] + 0.5 * (end - start)[:, None] * (1.0 + x)
     pose = source.pose(np.repeat(piece, len(x)), t.ravel(), 0)
@@ -100,9 +98,7 @@ def _sample(
     return pose.tip.value.reshape(shape), pose.axis.value.reshape(shape)
 
 
-def _interpolate(
-    source: MotionSource, piece: NDArray, start: NDArray, end: NDArray
-) -> tuple[NDArray, NDArray]:
+def _interpolate(source: MotionSource, piece: NDArray, start: NDArray, end: NDArray) -> tuple[NDArray, NDArray]:
     tip, axis = _sample(source, piece, start, end, _NODES)
     return np.einsum("kj,njc->nkc", _TO_MONOMIAL, tip), np.einsum("kj,njc->nkc", _TO_MONOMIAL, axis)
 

@@ -112,9 +112,7 @@ class _Reader:
                 raise self.fail(line, f"FEDRAT/{feed[0]:g}: a feed must be positive")
         elif word == "UNITS":
             if rest.upper() != "MM":
-                raise self.fail(
-                    line, f"UNITS/{rest}: only UNITS/MM is supported; convert the file to millimetres"
-                )
+                raise self.fail(line, f"UNITS/{rest}: only UNITS/MM is supported; convert the file to millimetres")
         elif word == "MULTAX":
             self.multax = rest.upper() in ("", "ON")
         elif word == "CUTTER":
@@ -155,9 +153,7 @@ class _Reader:
             axis = np.array(values[3:])
             length = float(np.linalg.norm(axis))
             if abs(length - 1.0) > _UNIT_AXIS:
-                raise self.fail(
-                    line, f"tool axis {rest.split(',', 3)[3]} has length {length:.6g}; expected 1"
-                )
+                raise self.fail(line, f"tool axis {rest.split(',', 3)[3]} has length {length:.6g}; expected 1")
             axis = axis / length
         else:
             axis = self.at[1] if self.at else np.array([0.0, 0.0, 1.0])

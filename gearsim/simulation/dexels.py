@@ -25,9 +25,7 @@ class DexelBox:
 
     def __post_init__(self) -> None:
         if not np.all(self.upper - self.lower >= self.pitch):
-            raise InputError(
-                f"dexel pitch {self.pitch:g} mm is larger than the box {self.upper - self.lower} mm"
-            )
+            raise InputError(f"dexel pitch {self.pitch:g} mm is larger than the box {self.upper - self.lower} mm")
 
     @property
     def counts(self) -> NDArray[np.integer]:

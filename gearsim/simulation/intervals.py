@@ -28,9 +28,7 @@ class IntervalSet:
         return np.repeat(np.arange(len(self.first) - 1), np.diff(self.first))
 
 
-def from_lists(
-    count: NDArray, lo: NDArray, hi: NDArray, lo_segment: NDArray, hi_segment: NDArray
-) -> IntervalSet:
+def from_lists(count: NDArray, lo: NDArray, hi: NDArray, lo_segment: NDArray, hi_segment: NDArray) -> IntervalSet:
     """Compact interval lists of fixed slots, shape (rays, slots), ``count`` used in each."""
     used = np.arange(lo.shape[1]) < count[:, None]
     first = np.concatenate([[0], np.cumsum(count)])

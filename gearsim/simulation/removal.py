@@ -6,7 +6,6 @@ import os
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor, as_completed
 from dataclasses import dataclass
-from functools import lru_cache
 from time import perf_counter
 
 import numpy as np
@@ -62,7 +61,7 @@ def prepare(device: str) -> float:
     Raises InputError where Warp knows no such device.
     """
     started = perf_counter()
-    _init()
+    wp.init()
     try:
         wp.get_device(device)
     except Exception as error:
@@ -72,10 +71,11 @@ def prepare(device: str) -> float:
     return perf_counter() - started
 
 
-@lru_cache(maxsize=1)
-def _init() -> None:
-    wp.config.quiet = True
-    wp.init()
+def device_name(device: str) -> str:
+    """What Warp calls the device, for reports."""
+    prepare(device)
+    found = wp.get_device(device)
+    return f"{device} ({found.name})"
 
 
 def cutter_data(cutter: Profile, device: str) -> Cutter:
@@ -182,9 +182,7 @@ class _Job:
         self.motion = motion_data(table, device)
         self.bound = 2.0 * cutter.reach
         lower, upper = segment_bounds(table, cutter)
-        self.bvh = wp.Bvh(
-            wp.array(lower, dtype=wp.vec3, device=device), wp.array(upper, dtype=wp.vec3, device=device)
-        )
+        self.bvh = wp.Bvh(wp.array(lower, dtype=wp.vec3, device=device), wp.array(upper, dtype=wp.vec3, device=device))
 
     def run(self, rays: RayBundle, threads: int, progress: Callable[[int], None]) -> Removal:
         n = len(rays)
@@ -219,9 +217,7 @@ class _Job:
         removed = from_lists(*(a.numpy() for a in columns))
         candidates, pairs, status = (a.numpy() for a in counters)
         total = np.int64
-        return Removal(
-            removed, int(candidates.sum(dtype=total)), int(pairs.sum(dtype=total)), status, kernel_s
-        )
+        return Removal(removed, int(candidates.sum(dtype=total)), int(pairs.sum(dtype=total)), status, kernel_s)
 
     @staticmethod
     def _launch_slices(

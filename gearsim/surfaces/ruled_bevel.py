@@ -174,9 +174,7 @@ class ToothPatch:
     @property
     def start(self) -> float:
         """The v [mm or rad] at which the patch begins."""
-        return {"flank": self.tooth.fillet_height, "fillet": 0.0, "bottom": -self.tooth.bottom_half_width}[
-            self.part
-        ]
+        return {"flank": self.tooth.fillet_height, "fillet": 0.0, "bottom": -self.tooth.bottom_half_width}[self.part]
 
     def profile(self, v: Series) -> tuple[Series, Series]:
         """The profile curve (y, z) [mm] in its plane as series in v (Zhou 3.32, 3.34)."""

@@ -1,0 +1,83 @@
+"""Benchmarks: suites registered by name, each measured side by side in one run."""
+
+from __future__ import annotations
+
+import os
+import platform
+from collections.abc import Callable
+from statistics import median
+from time import perf_counter
+from typing import Any
+
+import gearsim
+from gearsim.errors import InputError
+from gearsim.geometry.rays import RayBundle
+from gearsim.job import Job, plan
+from gearsim.metrology.dexel_check import slot_box
+from gearsim.metrology.samples import sample_grid
+from gearsim.motion.segments import SegmentTable
+from gearsim.scene import load_scene
+from gearsim.simulation.removal import cut, device_name, prepare
+
+Suite = Callable[[str], dict[str, Any]]
+
+_REPEATS = 5
+_COLUMNS = ("case", "threads", "rays", "segments", "seconds", "spread", "krays/s", "Mcandidates/s", "Mpairs/s")
+
+
+def removal(device: str) -> dict[str, Any]:
+    """The removal road on the scene spiral-bevel-flank: rays along normals, and the slot's tri-dexel."""
+    job = plan(*load_scene("spiral-bevel-flank"))
+    prepare(device)
+    normals = sample_grid(job.tooth.flank("convex"), 65, 513).rays()
+    dexels = slot_box(job.tooth, 0.15).rays(2)
+    threads = sorted({1, os.cpu_count() or 1}) if device == "cpu" else [1]
+    cases: list[tuple[str, RayBundle, SegmentTable]] = [
+        ("normals, continuous", normals, job.theory["convex"].table),
+        ("normals, CL data", normals, job.program),
+        ("tri-dexel across the root", dexels, job.program),
+    ]
+    rows = [_timed_cut(job, device, *case, threads=n) for case in cases for n in threads]
+    notes = [
+        f"Median of {_REPEATS} runs, kernel time alone; spread is (slowest - fastest)/median. candidates: ray-segment "
+        "pairs inside the bounding volumes; pairs: those whose swept interval was computed, to 1e-9 mm."
+    ]
+    return {"columns": list(_COLUMNS), "rows": rows, "notes": notes}
+
+
+def _timed_cut(job: Job, device: str, name: str, rays: RayBundle, table: SegmentTable, threads: int) -> dict[str, Any]:
+    runs = [cut(rays, table, job.cutter, device=device, threads=threads).require_trust() for _ in range(_REPEATS)]
+    seconds = sorted(r.kernel_s for r in runs)
+    s, last = median(seconds), runs[-1]
+    return {
+        "case": name,
+        "threads": threads,
+        "rays": len(rays),
+        "segments": len(table),
+        "candidates": last.candidates,
+        "pairs": last.pairs,
+        "seconds": s,
+        "spread": (seconds[-1] - seconds[0]) / s,
+        "krays/s": 1e-3 * len(rays) / s,
+        "Mcandidates/s": 1e-6 * last.candidates / s,
+        "Mpairs/s": 1e-6 * last.pairs / s,
+    }
+
+
+SUITES: dict[str, Suite] = {"removal": removal}
+
+
+def run_suite(name: str, device: str) -> dict[str, Any]:
+    """Run a suite and return its table with the machine it ran on."""
+    if name not in SUITES:
+        raise InputError(f"no benchmark suite {name!r}; there are {', '.join(SUITES)}")
+    started = perf_counter()
+    report = SUITES[name](device)
+    machine = {
+        "device": device_name(device),
+        "cores": os.cpu_count(),
+        "system": f"{platform.system()} {platform.machine()}",
+        "python": platform.python_version(),
+        "gearsim": gearsim.__version__,
+    }
+    return {"suite": name, "machine": machine, "total_s": perf_counter() - started, **report}

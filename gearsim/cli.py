@@ -1,0 +1,164 @@
+"""The ``gearsim`` command."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+from gearsim import __version__
+from gearsim.errors import GearsimError, InputError
+
+_EXIT_CODES = """exit codes:
+  0  ran, within the scene's tolerances
+  1  ran, out of tolerance (the findings say where)
+  2  bad input
+  3  a numerical status forbids trust
+"""
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run the command line; returns the exit code."""
+    options = _parser().parse_args(arguments)
+    try:
+        return int(options.command(options))
+    except GearsimError as error:
+        print(f"gearsim: {error}", file=sys.stderr)
+        return error.exit_code
+    except MemoryError:
+        print(
+            "gearsim: out of memory; lower metrology.rows and columns or raise simulation.dexel_pitch_mm "
+            "(gearsim run SCENE --dry-run estimates the need)",
+            file=sys.stderr,
+        )
+        return InputError.exit_code
+    except KeyboardInterrupt:
+        print("gearsim: interrupted; nothing was written", file=sys.stderr)
+        return 130
+
+
+def _parser() -> argparse.ArgumentParser:
+    parser = argparse.ArgumentParser(
+        prog="gearsim",
+        description="Machine gears virtually and measure the machined tooth in micrometres.",
+        epilog=_EXIT_CODES,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )
+    parser.add_argument("--version", action="version", version=f"gearsim {__version__}")
+    commands = parser.add_subparsers(required=True, metavar="COMMAND")
+
+    run = commands.add_parser(
+        "run",
+        help="simulate a scene, measure the tooth and write the report",
+        description="Simulate a scene by two independent roads and write report, pictures and data.",
+        epilog="examples:\n  gearsim run spiral-bevel-flank\n"
+        "  gearsim run my.toml --out results --set toolpath.points=129\n"
+        "  gearsim run my.toml --dry-run\n\n" + _EXIT_CODES,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )
+    run.add_argument("scene", help="a built-in scene (see 'gearsim scenes') or the path of a .toml file")
+    run.add_argument("--out", type=Path, help="output folder (default: runs/NAME)")
+    run.add_argument("--device", default="cpu", help="cpu (all cores; default) or cuda:0, cuda:1, ...")
+    run.add_argument(
+        "--set",
+        action="append",
+        default=[],
+        metavar="TABLE.KEY=VALUE",
+        help="override a value; repeatable",
+    )
+    run.add_argument("--dry-run", action="store_true", help="say what would be cut, how large, how long; cut nothing")
+    run.set_defaults(command=_run)
+
+    scenes = commands.add_parser("scenes", help="list the built-in scenes")
+    scenes.set_defaults(command=_scenes)
+
+    new = commands.add_parser("new", help="write a commented scene to start from")
+    new.add_argument("name", help="the scene's name; NAME.toml is written into the current folder")
+    new.add_argument("--like", default="spiral-bevel-flank", help="built-in scene to copy (default: %(default)s)")
+    new.set_defaults(command=_new)
+
+    bench = commands.add_parser("bench", help="measure speed: rays, segments and ray-segment pairs per second")
+    bench.add_argument("suite", nargs="?", help="the suite to run (default: list them)")
+    bench.add_argument("--device", default="cpu", help="cpu or cuda:0, ...")
+    bench.add_argument("--out", type=Path, help="also write the figures as JSON to this file")
+    bench.set_defaults(command=_bench)
+    return parser
+
+
+def _run(options: argparse.Namespace) -> int:
+    from gearsim.scene import load_scene
+
+    scene, folder = load_scene(options.scene, options.set)
+    if options.dry_run:
+        return _dry_run(scene, folder)
+    from gearsim.output.files import staged
+    from gearsim.output.screen import ScreenProgress, print_result
+    from gearsim.output.write import write_result
+    from gearsim.run import run
+
+    out = options.out or Path("runs") / scene.name
+    with staged(out) as stage, ScreenProgress() as progress:
+        result = run(scene, device=options.device, folder=folder, progress=progress)
+        progress.stage("writing report and pictures", 0)
+        missing = write_result(result, stage)
+    print_result(result, out, missing)
+    return result.exit_code
+
+
+def _dry_run(scene: Any, folder: Path) -> int:
+    from gearsim.job import estimate, plan
+    from gearsim.output.screen import print_estimate
+
+    print_estimate(scene.name, estimate(plan(scene, folder)))
+    return 0
+
+
+def _scenes(_: argparse.Namespace) -> int:
+    from gearsim.scene import scene_names
+
+    names = scene_names()
+    width = max(map(len, names))
+    for name, text in names.items():
+        print(f"{name:{width}}  {text}")
+    return 0
+
+
+def _new(options: argparse.Namespace) -> int:
+    from gearsim.scene import scene_names, scene_text
+
+    target = Path(f"{options.name}.toml")
+    if options.like not in scene_names():
+        raise InputError(f"--like {options.like}: no such built-in scene; there are {', '.join(scene_names())}")
+    text = scene_text(options.like)[0].replace(f'name = "{options.like}"', f'name = "{options.name}"')
+    try:
+        with target.open("x", encoding="utf-8") as file:
+            file.write(text)
+    except FileExistsError:
+        raise InputError(f"{target} exists already; choose another name") from None
+    except OSError as error:
+        raise InputError(f"cannot write {target}: {error.strerror}") from error
+    print(f"wrote {target}; edit it, then: gearsim run {target}")
+    return 0
+
+
+def _bench(options: argparse.Namespace) -> int:
+    from gearsim.bench import SUITES, run_suite
+    from gearsim.output.screen import print_bench
+
+    if options.suite is None:
+        for name, suite in SUITES.items():
+            print(f"{name}  {(suite.__doc__ or '').splitlines()[0]}")
+        return 0
+    report = run_suite(options.suite, options.device)
+    print_bench(report)
+    if options.out:
+        from gearsim.output.summary import write_json
+
+        write_json(report, options.out)
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,201 @@
+"""3D pictures and tooth.vtp with PyVista, in a process of its own: ``python -m gearsim.output.draw FOLDER``.
+
+A machine without OpenGL ends that process, not the run; tooth.vtp, which needs none, is written first.
+"""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+DATA = "drawing.npz"
+PICTURES = ("slot.png", "blanks.png", "toolpaths.png", "envelopes.png")
+_SIZE = (1400, 1000)
+_STEEL = "#b8bec6"
+_COLOURS = {"convex": "#d1495b", "concave": "#2e6f95"}
+
+
+def start_drawing(folder: Path) -> subprocess.Popen[str]:
+    """Start drawing what drawing.npz in a folder holds."""
+    command = [sys.executable, "-m", "gearsim.output.draw", str(folder)]
+    return subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
+
+
+def finish_drawing(process: subprocess.Popen[str], folder: Path) -> list[str]:
+    """Wait for the drawing process; says what is missing and why, one line each."""
+    errors = process.communicate()[1]
+    missing = [name for name in PICTURES if not (folder / name).exists()]
+    if not missing:
+        return []
+    reason = (errors.strip().splitlines() or [f"the drawing process ended with code {process.returncode}"])[-1]
+    return [
+        f"3D pictures ({', '.join(missing)}): {reason}. They need OpenGL without a screen; on Debian or Ubuntu: "
+        "apt-get install libegl1 libgl1-mesa-dri"
+    ]
+
+
+def main(folder: Path) -> None:
+    """Draw everything."""
+    import pyvista as pv
+
+    pv.OFF_SCREEN = True
+    data = dict(np.load(folder / DATA))
+    surfaces = _patches(data)
+    pv.merge(list(surfaces.values()), merge_points=False).extract_surface(algorithm=None).save(folder / "tooth.vtp")
+    _draw_slot(data, folder / "slot.png")
+    _draw_blanks(data, folder / "blanks.png")
+    _draw_toolpaths(data, surfaces, folder / "toolpaths.png")
+    _draw_envelopes(data, surfaces, folder / "envelopes.png")
+
+
+def _patches(data: dict[str, NDArray]) -> dict[str, Any]:
+    """The machined patches (intended points moved by their deviation) with their measured values."""
+    import pyvista as pv
+
+    names = sorted({key.split(":")[1] for key in data if key.startswith("patch:")})
+    out = {}
+    for number, name in enumerate(names):
+        point, normal = data[f"patch:{name}:point"], data[f"patch:{name}:normal"]
+        deviation = data[f"patch:{name}:deviation_um"]
+        machined = point + 1e-3 * np.nan_to_num(deviation)[..., None] * normal
+        mesh = pv.StructuredGrid(*(machined[..., None, k] for k in range(3)))
+        mesh["deviation_um"] = deviation.ravel(order="F")
+        mesh["crossing"] = data[f"patch:{name}:crossing"].ravel(order="F")
+        mesh["segment"] = data[f"patch:{name}:segment"].ravel(order="F")
+        mesh["patch"] = np.full(mesh.n_points, number)
+        mesh["intended_normal"] = normal.reshape(-1, 3, order="F")
+        mesh["intended_point_mm"] = point.reshape(-1, 3, order="F")
+        out[name] = mesh
+    return out
+
+
+def _plotter(views: int = 1) -> Any:
+    import pyvista as pv
+
+    plotter = pv.Plotter(off_screen=True, window_size=list(_SIZE), shape=(1, views), border=False)
+    plotter.set_background("white")
+    return plotter
+
+
+def _look(plotter: Any, centre: NDArray, data: dict[str, NDArray], distance: float) -> None:
+    """Look into the slot from above, a little from the heel and from the side."""
+    flank = data["patch:bottom:point"]
+    rows, columns = flank.shape[:2]
+    along = flank[rows // 2, -1] - flank[rows // 2, 0]
+    along /= np.linalg.norm(along)
+    up = data["patch:bottom:normal"][rows // 2, columns // 2]
+    side = np.cross(up, along)
+    eye = centre + distance * (0.85 * up + 0.75 * along + 0.25 * side)
+    plotter.camera_position = [tuple(eye), tuple(centre), tuple(up)]
+
+
+def _draw_slot(data: dict[str, NDArray], file: Path) -> None:
+    """The machined relief coloured by deviation: over its whole range, and within the flank tolerance."""
+    mesh = _relief(data["relief:point"], data["relief:deviation_um"])
+    colour = np.asarray(mesh["deviation_um"])
+    cut = np.abs(colour[np.isfinite(colour)])
+    whole, tolerance = float(np.quantile(cut, 0.999)) if cut.size else 1.0, float(data["tolerance_um"])
+    plotter = _plotter(views=2)
+    for view, (limit, text) in enumerate(((whole, "whole range"), (tolerance, "range of the flank tolerance"))):
+        plotter.subplot(0, view)
+        plotter.add_mesh(
+            mesh.copy(), scalars="deviation_um", cmap="RdBu_r", clim=(-limit, limit), nan_color=_STEEL,
+            ambient=0.35, diffuse=0.45,
+            scalar_bar_args={
+                "title": "um" + " " * view, "color": "black", "fmt": "%.3g", "title_font_size": 20,
+                "label_font_size": 18, "width": 0.8, "position_x": 0.1,
+            },
+        )  # fmt: skip
+        plotter.add_text(f"deviation, {text}\n+ material left, - overcut", color="black", font_size=11)
+        _look(plotter, np.asarray(mesh.center), data, 62.0)
+    plotter.screenshot(str(file))
+
+
+def _relief(points: NDArray, deviation: NDArray) -> Any:
+    """Quads between neighbouring columns that all hold material."""
+    import pyvista as pv
+
+    rows, columns = deviation.shape
+    index = np.arange(rows * columns).reshape(rows, columns)
+    quads = np.stack([index[:-1, :-1], index[1:, :-1], index[1:, 1:], index[:-1, 1:]], axis=-1).reshape(-1, 4)
+    flat = points.reshape(-1, 3)
+    quads = quads[np.isfinite(flat[quads]).all(axis=(1, 2))]
+    mesh = pv.PolyData(np.nan_to_num(flat), np.hstack([np.full((len(quads), 1), 4), quads]).ravel())
+    mesh["deviation_um"] = deviation.ravel()
+    return mesh.clean()
+
+
+def _turned(polygon: NDArray, start: float, end: float) -> Any:
+    """A polygon (radius, z) turned about z from one angle to another [deg], with its end faces."""
+    import pyvista as pv
+
+    angles = np.radians(np.linspace(start, end, 241))
+    ring = np.vstack([polygon, polygon[:1]])
+    x, y = (np.outer(f(angles), ring[:, 0]) for f in (np.cos, np.sin))
+    z = np.tile(ring[:, 1], (len(angles), 1))
+    skin = pv.StructuredGrid(*(c[..., None] for c in (x, y, z))).extract_surface(algorithm=None)
+    face = [len(polygon), *range(len(polygon))]
+    ends = [pv.PolyData(np.column_stack([x[i, :-1], y[i, :-1], z[i, :-1]]), face) for i in (0, -1)]
+    return pv.merge([skin, *ends], merge_points=False)
+
+
+def _draw_blanks(data: dict[str, NDArray], file: Path) -> None:
+    """Gear and pinion blank in mesh, part of the gear cut away."""
+    plotter = _plotter()
+    shade = {"smooth_shading": True, "split_sharp_edges": True}
+    plotter.add_mesh(_turned(data["gear:polygon"], -150.0, 150.0), color=_STEEL, **shade)
+    pinion = _turned(data["pinion:polygon"], 0.0, 360.0).rotate_y(90.0, inplace=False)
+    plotter.add_mesh(pinion, color="#d8b26e", **shade)
+    plotter.camera_position = [(-160.0, -200.0, -190.0), (0.0, 0.0, 22.0), (0.0, 0.0, -1.0)]
+    plotter.camera.zoom(1.0)
+    plotter.screenshot(str(file))
+
+
+def _add_slot(plotter: Any, surfaces: dict[str, Any], without: str = "") -> None:
+    for name, surface in surfaces.items():
+        if name != without:
+            plotter.add_mesh(surface, color=_STEEL, smooth_shading=True)
+
+
+def _draw_toolpaths(data: dict[str, NDArray], surfaces: dict[str, Any], file: Path) -> None:
+    """Tool axes and tip curves of both passes in the slot, side by side."""
+    import pyvista as pv
+
+    plotter = _plotter(views=2)
+    length = 0.6 * float(data["cutter:height"])
+    for view, side in enumerate(("convex", "concave")):
+        plotter.subplot(0, view)
+        _add_slot(plotter, surfaces)
+        tip, axis = data[f"path:{side}:tip"], data[f"path:{side}:axis"]
+        plotter.add_mesh(pv.lines_from_points(tip), color="black", line_width=4)
+        for a, b in zip(tip, tip + length * axis, strict=True):
+            plotter.add_mesh(pv.Line(a, b), color=_COLOURS[side], line_width=3)
+        plotter.add_text(f"pass for the {side} flank", color="black", font_size=12)
+        _look(plotter, data["patch:bottom:point"].reshape(-1, 3).mean(axis=0), data, 62.0)
+    plotter.screenshot(str(file))
+
+
+def _draw_envelopes(data: dict[str, NDArray], surfaces: dict[str, Any], file: Path) -> None:
+    """Both branches of the cutter flank's untrimmed envelope, one view a pass."""
+    plotter = _plotter(views=2)
+    for view, side in enumerate(("convex", "concave")):
+        plotter.subplot(0, view)
+        _add_slot(plotter, surfaces, without=side)
+        for branch in ("plus", "minus"):
+            points = data[f"envelope:{side}:{branch}"]
+            points = points[:, : max(2, int(0.45 * points.shape[1]))]
+            mesh = _relief(points, np.zeros(points.shape[:2]))
+            plotter.add_mesh(mesh, color=_COLOURS[side], opacity=0.6, smooth_shading=True)
+            plotter.add_mesh(mesh.extract_feature_edges(60.0), color="black", line_width=2)
+        plotter.add_text(f"envelope of the {side} flank's pass", color="black", font_size=12)
+        _look(plotter, data["patch:bottom:point"].reshape(-1, 3).mean(axis=0), data, 62.0)
+    plotter.screenshot(str(file))
+
+
+if __name__ == "__main__":
+    main(Path(sys.argv[1]))

@@ -1,0 +1,82 @@
+"""Arrays for the 3D pictures and tooth.vtp, collected from a result without any drawing library."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gearsim.envelope import envelope_grid
+from gearsim.metrology.closest import signed_distance
+from gearsim.metrology.deviation import Deviation
+from gearsim.metrology.samples import SampleGrid
+from gearsim.result import Result
+
+_POSES = 25
+_ENVELOPE_POSES = 160
+
+
+def write_drawing(result: Result, file: Path) -> None:
+    """Save what the drawing process needs as one .npz."""
+    arrays: dict[str, NDArray] = {}
+    grids = [(f.grid, f.all_passes) for f in result.flanks.values()]
+    grids += [(p.grid, p.deviation) for p in result.patches.values()]
+    for grid, deviation in grids:
+        arrays |= _patch_arrays(grid, deviation)
+    points, colour = _machined_relief(result, [grid for grid, _ in grids])
+    arrays |= {"relief:point": points, "relief:deviation_um": colour}
+    arrays["gear:polygon"] = result.tooth.blank.stock.polygon
+    arrays["pinion:polygon"] = result.tooth.blank.mate(result.scene["surface"]["mate_teeth"]).stock.polygon
+    arrays["tolerance_um"] = np.array(result.scene["metrology"]["tolerance_um"])
+    arrays |= _path_arrays(result)
+    np.savez(file, allow_pickle=False, **arrays)
+
+
+def _patch_arrays(grid: SampleGrid, deviation: Deviation) -> dict[str, NDArray]:
+    name = grid.patch.name
+    return {
+        f"patch:{name}:point": grid.point,
+        f"patch:{name}:normal": grid.normal,
+        f"patch:{name}:deviation_um": 1e3 * deviation.value,
+        f"patch:{name}:crossing": deviation.crossing,
+        f"patch:{name}:segment": deviation.segment,
+    }
+
+
+def _machined_relief(result: Result, grids: list[SampleGrid]) -> tuple[NDArray, NDArray]:
+    """Top of the material in the slot's box, from the bundle across the root: points (i, j, 3) in the
+    gear frame, nan where there is none, and the distance [um] of cut points to the intended slot."""
+    box, bundle = result.dexels.box, result.dexels.bundles[2]
+    counts = box.counts
+    top = np.full(len(bundle.rays), np.nan)
+    made = np.full(len(bundle.rays), -1)
+    top[bundle.left.ray] = bundle.left.hi
+    made[bundle.left.ray] = bundle.left.hi_segment
+    points = bundle.rays.origin + top[:, None] * bundle.rays.direction
+    cut = np.flatnonzero(made >= 0)
+    distance = np.full(len(top), np.nan)
+    for grid in grids:
+        here = signed_distance(grid, points[cut])[0]
+        nearer = np.isfinite(here) & ~(np.abs(distance[cut]) <= np.abs(here))
+        distance[cut[nearer]] = here[nearer]
+    shape = (int(counts[0]), int(counts[1]))
+    return points.reshape(*shape, 3), 1e3 * distance.reshape(shape)
+
+
+def _path_arrays(result: Result) -> dict[str, NDArray]:
+    """Tool axes along each flank's pass, and the flank's untrimmed envelope (nan where there is none)."""
+    arrays: dict[str, NDArray] = {}
+    for side, sources in result.own_sources.items():
+        source = result.theory.get(side) or sources[0]
+        t = np.linspace(0.0, source.pieces, _POSES)
+        piece = np.minimum(t.astype(int), source.pieces - 1)
+        pose = source.pose(piece, t - piece, 0)
+        arrays[f"path:{side}:tip"], arrays[f"path:{side}:axis"] = pose.tip.value, pose.axis.value
+        grid = envelope_grid(source, result.cutter, _ENVELOPE_POSES, 24)
+        flank = grid.element == result.cutter.flank
+        points = np.where(grid.exists[..., None], grid.point, np.nan)[:, flank]
+        for k, branch in enumerate(("plus", "minus")):
+            arrays[f"envelope:{side}:{branch}"] = points[:, :, k]
+    arrays["cutter:height"] = np.array(result.cutter.height)
+    return arrays

@@ -1,0 +1,112 @@
+"""What the command line shows: a progress bar while working, the figures when done."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+from types import TracebackType
+from typing import Any
+
+from rich.console import Console
+from rich.progress import BarColumn, Progress, SpinnerColumn, TaskID, TextColumn, TimeElapsedColumn
+from rich.table import Table
+
+from gearsim.result import Result
+
+_CONSOLE = Console(highlight=False, width=None if sys.stdout.isatty() else 110)
+
+
+class ScreenProgress:
+    """A progress bar on the terminal's error stream; use as a context."""
+
+    def __init__(self) -> None:
+        columns = (SpinnerColumn(), TextColumn("{task.description}"), BarColumn(), TimeElapsedColumn())
+        self._bar = Progress(*columns, console=Console(stderr=True), transient=True)
+        self._task: TaskID | None = None
+
+    def __enter__(self) -> ScreenProgress:
+        self._bar.start()
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self._bar.stop()
+
+    def stage(self, name: str, total: int) -> None:
+        """Begin a stage of ``total`` rays; 0: of unknown length."""
+        if self._task is not None:
+            self._bar.remove_task(self._task)
+        self._task = self._bar.add_task(name, total=total or None)
+
+    def advance(self, amount: int) -> None:
+        """Tell of rays done."""
+        if self._task is not None:
+            self._bar.advance(self._task, amount)
+
+
+def print_result(result: Result, out: Path, missing: list[str]) -> None:
+    """The figures a user wants first."""
+    table = Table(title=f"{result.scene['scene']['name']}: deviation in um, + material left, - overcut")
+    for head in ("flank and motion", "min", "max", "mean", "rms"):
+        table.add_column(head, justify="left" if head.startswith("flank") else "right")
+    for side, flank in result.flanks.items():
+        rows = {"own pass, continuous": flank.own, "own pass, CL data": flank.own_cl, "all passes": flank.all_passes}
+        for name, deviation in rows.items():
+            if deviation is not None:
+                um = deviation.summary_um()
+                table.add_row(f"{side}: {name}", *(_um(um[k]) for k in ("min", "max", "mean", "rms")))
+    _CONSOLE.print(table)
+    gaps = [g for f in result.flanks.values() for g in (f.gap, f.gap_cl) if g is not None]
+    _CONSOLE.print(
+        f"Two roads agree to {1e3 * max(g.max_um for g in gaps):.2g} nm over {sum(g.valid for g in gaps):,} samples "
+        f"({sum(g.excluded for g in gaps)} excluded); {result.dexels.checked:,} tri-dexel ends to "
+        f"{1e3 * result.dexels.check_um:.2g} nm."
+    )
+    for f in result.findings:
+        place = ", ".join(f"{x:.2f}" for x in f.place_mm)
+        flag = "[bold red]FAILS[/] " if f.fails else ""
+        _CONSOLE.print(f"{flag}{f.kind}: {f.text}: {f.depth_um:.1f} um at ({place}) mm")
+    for reason in missing:
+        _CONSOLE.print(f"[bold yellow]not drawn[/] {reason}")
+    t, counts = result.timings_s, result.counts
+    rate = counts["pairs"] / t["kernel"] / 1e6
+    _CONSOLE.print(
+        f"{counts['rays']:,} rays x {counts['segments']} segments, {counts['pairs']:,} pairs in {t['kernel']:.2f} s "
+        f"({rate:.2f} M pairs/s) on {result.device}; {t['total']:.1f} s in all."
+    )
+    style = {"pass": "bold green", "fail": "bold red", "unchecked": "bold magenta"}[result.verdict]
+    detail = "" if result.verdict != "unchecked" else f": {result.status}"
+    _CONSOLE.print(f"verdict: [{style}]{result.verdict}[/]{detail}   report: {out / 'report.html'}")
+
+
+def print_estimate(name: str, estimate: dict[str, float]) -> None:
+    """What a run would do."""
+    _CONSOLE.print(
+        f"{name}: {estimate['rays']:,.0f} rays, {estimate['segments']:,.0f} segments, "
+        f"about {estimate['memory_mb']:,.0f} MB and {estimate['seconds']:,.0f} s on two CPU cores; nothing was cut."
+    )
+
+
+def print_bench(report: dict[str, Any]) -> None:
+    """A benchmark's table and machine."""
+    table = Table(title=f"gearsim bench {report['suite']} on {report['machine']['device']}")
+    for head in report["columns"]:
+        table.add_column(head, justify="left" if head == "case" else "right")
+    for row in report["rows"]:
+        table.add_row(*(_figure(row[head]) for head in report["columns"]))
+    _CONSOLE.print(table)
+    for line in report["notes"]:
+        _CONSOLE.print(line)
+
+
+def _figure(x: Any) -> str:
+    if isinstance(x, float):
+        return f"{x:,.3g}" if abs(x) < 1000.0 else f"{x:,.0f}"
+    return f"{x:,}" if isinstance(x, int) else str(x)
+
+
+def _um(x: float | int | None) -> str:
+    if x is None:
+        return "-"
+    return f"{x:.1f}" if abs(x) >= 100.0 else f"{x:.4f}" if abs(x) >= 5e-5 else "0"

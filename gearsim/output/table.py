@@ -1,0 +1,79 @@
+"""samples.parquet: every dense sample of both flanks, one row each."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gearsim.cutters.profile import Profile
+from gearsim.envelope import EnvelopeRoad, envelope_points
+from gearsim.envelope.candidates import Kind
+from gearsim.metrology.bevel import FlankResult
+from gearsim.metrology.deviation import Crossing
+from gearsim.motion.sources import MotionSource
+from gearsim.output.exr import SIGN, UNITS
+from gearsim.result import Result
+
+
+def write_parquet(result: Result, file: Path) -> None:
+    """Write the samples with units, sign and scene in the file's metadata."""
+    import pyarrow as pa
+    import pyarrow.parquet as pq
+
+    columns = [_columns(result, flank) for flank in result.flanks.values()]
+    table = pa.table({k: np.concatenate([c[k] for c in columns]) for k in columns[0]})
+    notes = {"scene": str(result.scene["scene"]["name"]), "units": UNITS, "sign": SIGN}
+    notes |= {
+        "axis": "z along the gear axis, origin at the pitch apex",
+        "version": result.versions["gearsim"],
+    }
+    pq.write_table(table.replace_schema_metadata({f"gearsim.{k}": v for k, v in notes.items()}), file)
+
+
+def _columns(result: Result, flank: FlankResult) -> dict[str, NDArray[Any]]:
+    grid, n = flank.grid, flank.grid.phi.size
+    row, column = np.indices(grid.shape)
+    curvature = grid.patch.jet(grid.phi.ravel(), grid.v.ravel()).curvature()
+    road, source = flank.gap_cl.road, result.own_sources[flank.side]
+    k1, k2 = machined_curvature(road, source, result.cutter)
+    out: dict[str, NDArray[Any]] = {
+        "flank": np.full(n, flank.side),
+        "row": row,
+        "column": column,
+        "length_share": np.broadcast_to(grid.length, grid.shape),
+        "height_share": np.broadcast_to(grid.height[:, None], grid.shape),
+        "phi_rad": grid.phi,
+        "profile_height_mm": grid.v,
+    }
+    for name, vectors in (("{}_mm", grid.point), ("n{}", grid.normal)):
+        out |= {name.format(axis): vectors[..., k] for k, axis in enumerate("xyz")}
+    if flank.own is not None:
+        out["own_pass_um"] = 1e3 * flank.own.value
+    out |= {
+        "own_pass_cl_um": 1e3 * flank.own_cl.value,
+        "all_passes_um": 1e3 * flank.all_passes.value,
+        "crossing": np.array([c.name.lower() for c in Crossing])[flank.all_passes.crossing.ravel()],
+        "segment": flank.all_passes.segment,
+        "envelope_cl_um": 1e3 * road.deviation,
+        "envelope_class": np.array(["none", *(k.name.lower() for k in Kind)])[road.kind],
+        "envelope_gap_cl_um": flank.gap_cl.gap_um,
+        "intended_k1_per_mm": curvature.k1,
+        "intended_k2_per_mm": curvature.k2,
+        "machined_k1_per_mm": k1,
+        "machined_k2_per_mm": k2,
+    }
+    return {k: v.ravel() for k, v in out.items()}
+
+
+def machined_curvature(road: EnvelopeRoad, sources: list[MotionSource], cutter: Profile) -> tuple[NDArray, NDArray]:
+    """Principal curvatures [1/mm] of the envelope where the road found that class, nan elsewhere."""
+    k1, k2 = np.full(road.kind.shape, np.nan), np.full(road.kind.shape, np.nan)
+    for path, source in enumerate(sources):
+        on = (road.kind == Kind.ENVELOPE) & (road.path == path)
+        at = envelope_points(source, cutter, road.piece[on], road.t[on], road.element[on], road.s[on], road.branch[on])
+        curvature = at.curvature()
+        k1[on], k2[on] = curvature.k1, curvature.k2
+    return k1, k2
