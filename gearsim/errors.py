@@ -22,7 +22,7 @@ class NumericalError(GearsimError):
 
 
 class Status(IntFlag):
-    """Status bits a ray can carry; the kernels use the same values (kernels/removal.py)."""
+    """Status bits a ray can carry; the kernels use the same values (kernels/sweep.py)."""
 
     OK = 0
     INTERVALS_OVERFLOW = 1

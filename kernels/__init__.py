@@ -2,4 +2,4 @@
 
 import warp as wp
 
-wp.config.quiet = True  # the run's own report names device and versions
+wp.config.log_level = wp.LOG_ERROR  # the run's own report names device and versions

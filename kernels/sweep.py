@@ -1,66 +1,27 @@
-"""The interval that one segment's motion of the cutter removes from one ray.
-
-Let F(x, tau) be the signed distance of the ray's point tau to the cutter at pose x. For a convex cutter F
-is the largest of linear functions of the point seen from the tool, so it is semi-convex: with K the bound
-on that point's second derivative and w the axis rate,
-    F(x + s, tau + u) >= F + F_x s + F_tau u - K s²/2 - w |s u|.
-This bounds from below how early the ray can be entered near a known pose; the search for the earliest
-entry stops when such bounds leave no room for more than the tolerance.
-"""
+"""The intervals that one segment's motion of the cutter removes from one ray."""
 
 import warp as wp
-from gearsim.kernels.pose import Motion, Pose, pose_at
-from gearsim.kernels.profile import (
-    FAR,
-    TINY,
-    Cutter,
-    ToolRay,
-    closest_point,
-    cutter_interval,
-    face_normal,
-    outside_distance,
-)
+
+from gearsim.kernels.contact import Chord, chord_at, gap_at, overlap, side_of
+from gearsim.kernels.interval import IntervalLists, insert
+from gearsim.kernels.pose import Motion
+from gearsim.kernels.profile import Cutter
+from gearsim.kernels.search import MAX_EVALUATIONS, earliest_entry
 
 f64 = wp.float64
 
-DESCEND = wp.constant(0)
-MARCH_RIGHT = wp.constant(1)
-MARCH_LEFT = wp.constant(2)
+STATUS_INTERVALS_OVERFLOW = wp.constant(1)
+STATUS_NOT_CONVERGED = wp.constant(2)
 
-MAX_EVALUATIONS = wp.constant(400)
-FLOOR_STEPS = wp.constant(f64(128.0))
+MAX_RUNS = wp.constant(12)
 
 
 @wp.struct
-class Contact:
-    """Where a ray enters the cutter at pose x: parameter, F_x and -F_tau.
+class Sweep:
+    """The interval removed by one run of hits, and the part [from_x, to_x] of its bracket it accounts for."""
 
-    ``found`` 0 where it misses: then tau is FAR.
-    """
-
-    found: wp.int32
-    x: f64
-    tau: f64
-    push: f64
-    steep: f64
-
-
-@wp.struct
-class Chord:
-    """A ray's two ends inside the cutter at one pose; the exit is the entry of the reversed ray."""
-
-    entry: Contact
-    exit: Contact
-
-
-@wp.struct
-class Extreme:
-    """The earliest entry on a bracket; the run of hits that holds it spans [from_x, to_x].
-
-    ``gap`` 1: between two ends that hit, to_x misses, and nothing else is known.
-    """
-
-    tau: f64
+    lo: f64
+    hi: f64
     from_x: f64
     to_x: f64
     gap: wp.int32
@@ -68,300 +29,28 @@ class Extreme:
 
 
 @wp.func
-def tool_ray(pose: Pose, origin: wp.vec3d, direction: wp.vec3d) -> ToolRay:
-    """The ray seen from the tool at a pose."""
-    ray = ToolRay()
-    q = origin - pose.tip
-    ray.z0 = wp.dot(q, pose.axis)
-    ray.dz = wp.dot(direction, pose.axis)
-    ray.w0 = q - ray.z0 * pose.axis
-    ray.w1 = direction - ray.dz * pose.axis
-    return ray
-
-
-@wp.func
-def contact_rates(cutter: Cutter, pose: Pose, ray: ToolRay, x: f64, tau: f64, face: int) -> Contact:
-    """The contact at tau on a face of the cutter, with F_x = n . d(point seen from the tool)/dx."""
-    z = ray.z0 + tau * ray.dz
-    w = ray.w0 + tau * ray.w1
-    r = wp.max(wp.length(w), TINY)
-    n = face_normal(cutter, face, r, z)
-    return with_rates(pose, ray, x, tau, z, w, r, n)
-
-
-@wp.func
-def with_rates(pose: Pose, ray: ToolRay, x: f64, tau: f64, z: f64, w: wp.vec3d, r: f64, n: wp.vec2d) -> Contact:
-    """A contact at (r, z) with meridian normal n, and how the distance there changes with x and tau."""
-    c = Contact()
-    c.found = 1
-    c.x = x
-    c.tau = tau
-    z_rate = wp.dot(w, pose.axis_rate) - wp.dot(pose.tip_rate, pose.axis)
-    r_rate = -(wp.dot(w, pose.tip_rate) + z * wp.dot(w, pose.axis_rate)) / r
-    c.push = n[0] * r_rate + n[1] * z_rate
-    c.steep = -(n[0] * wp.dot(w, ray.w1) / r + n[1] * ray.dz)
-    return c
-
-
-@wp.func
-def chord_at(cutter: Cutter, motion: Motion, row: int, origin: wp.vec3d, direction: wp.vec3d, x: f64) -> Chord:
-    """The ray's chord through the cutter at parameter x of a row."""
-    pose = pose_at(motion, row, x)
-    middle = pose.tip + f64(0.5) * cutter.height * pose.axis
-    shift = wp.dot(middle - origin, direction)
-    ray = tool_ray(pose, origin + shift * direction, direction)
-    hit = cutter_interval(cutter, ray, f64(0.0))
-    chord = Chord()
-    chord.entry.found = 0
-    chord.exit.found = 0
-    chord.entry.x = x
-    chord.exit.x = x
-    chord.entry.tau = FAR
-    chord.exit.tau = FAR
-    if hit.found == 1:
-        chord.entry = contact_rates(cutter, pose, ray, x, hit.lo, hit.lo_face)
-        chord.exit = contact_rates(cutter, pose, ray, x, hit.hi, hit.hi_face)
-        chord.entry.tau = hit.lo + shift
-        chord.exit.tau = -(hit.hi + shift)
-        chord.entry.steep = wp.max(chord.entry.steep, f64(0.0))
-        chord.exit.steep = wp.max(-chord.exit.steep, f64(0.0))
-    return chord
-
-
-@wp.func
-def gap_at(
-    cutter: Cutter, motion: Motion, row: int, origin: wp.vec3d, direction: wp.vec3d, bound: f64, x: f64
-) -> wp.vec2d:
-    """Distance between a ray that misses and the cutter at x, and its derivative by x."""
-    pose = pose_at(motion, row, x)
-    middle = pose.tip + f64(0.5) * cutter.height * pose.axis
-    shift = wp.dot(middle - origin, direction)
-    ray = tool_ray(pose, origin + shift * direction, direction)
-    tau = closest_point(cutter, ray, bound)
-    z = ray.z0 + tau * ray.dz
-    w = ray.w0 + tau * ray.w1
-    r = wp.max(wp.length(w), TINY)
-    d = outside_distance(cutter, r, z)
-    c = with_rates(pose, ray, x, tau, z, w, r, wp.vec2d(d[1], d[2]))
-    return wp.vec2d(d[0], c.push)
-
-
-@wp.func
-def certified_reach(push: f64, steep: f64, room: f64, curvature: f64, spin: f64, slack: f64) -> f64:
-    """How far from a contact no entry can come earlier than ``room`` before it.
-
-    ``push`` is F_x in the direction of travel; ``slack`` is the penetration [mm] that is let pass.
-    """
-    q = push - room * spin
-    offer = f64(2.0) * (room * steep + slack)
-    root = wp.sqrt(q * q + curvature * offer)
-    if q >= f64(0.0):
-        reach = (q + root) / wp.max(curvature, TINY)
-    else:
-        reach = offer / (root - q)
-    return wp.min(reach, steep / wp.max(spin, TINY))
-
-
-@wp.func
-def slope(c: Contact) -> f64:
-    """Derivative of the entry by x at a contact."""
-    return c.push / wp.max(c.steep, TINY)
-
-
-@wp.func
-def lower_bound(a: Contact, b: Contact, curvature: f64, spin: f64) -> wp.vec2d:
-    """Where the bounds from two contacts that straddle a minimum meet, and the earliest entry they allow.
-
-    From a contact, an entry s onward is earlier by at most (|push| s + K s²/2) / (steep - w s).
-    """
-    width = b.x - a.x
-    steep_a = a.steep - spin * width
-    steep_b = b.steep - spin * width
-    if steep_a <= TINY or steep_b <= TINY:
-        return wp.vec2d(f64(0.5) * (a.x + b.x), -FAR)
-    slope_a = a.push / steep_a
-    slope_b = b.push / steep_b
-    bend_a = curvature / steep_a
-    bend_b = curvature / steep_b
-    over = a.tau - b.tau + slope_b * width + f64(0.5) * bend_b * width * width
-    fall = slope_b - slope_a + bend_b * width
-    four_ac = f64(2.0) * (bend_b - bend_a) * over
-    s = f64(2.0) * over / (fall + wp.sqrt(wp.max(fall * fall - four_ac, f64(0.0))))
-    s = wp.clamp(s, f64(0.0), width)
-    return wp.vec2d(a.x + s, a.tau + slope_a * s - f64(0.5) * bend_a * s * s)
-
-
-@wp.func
-def cubic_minimum(a: Contact, b: Contact) -> f64:
-    """Minimiser of the cubic through two contacts with slopes of opposite sign, a to the left."""
-    slope_a = slope(a)
-    slope_b = slope(b)
-    d1 = slope_a + slope_b - f64(3.0) * (a.tau - b.tau) / (a.x - b.x)
-    d2 = wp.sqrt(wp.max(d1 * d1 - slope_a * slope_b, f64(0.0)))
-    return b.x - (b.x - a.x) * (slope_b + d2 - d1) / (slope_b - slope_a + f64(2.0) * d2)
-
-
-@wp.func
-def side_of(chord: Chord, side: int) -> Contact:
-    """The entry (side 0) or exit (side 1) of a chord, as an entry of the ray or its reverse."""
-    if side == 0:
-        return chord.entry
-    return chord.exit
-
-
-@wp.func
-def straddles(a: Contact, b: Contact) -> bool:
-    """Whether the entry falls from a and rises to b."""
-    return a.found == 1 and b.found == 1 and a.push < f64(0.0) and b.push > f64(0.0)
-
-
-@wp.func
-def descent_point(a: Contact, b: Contact, tolerance: f64, curvature: f64, spin: f64, turn: int) -> wp.vec2d:
-    """Where to look next for a minimum between a and b, and 1 where no more than the tolerance is left.
-
-    A guess close to one end is moved past the minimum, so that both ends close in on it.
-    """
-    width = b.x - a.x
-    x = f64(0.5) * (a.x + b.x)
-    finished = width < TINY
-    if a.tau <= b.tau:
-        finished = finished or a.push >= f64(0.0)
-    else:
-        finished = finished or b.push <= f64(0.0)
-    if not finished and straddles(a, b):
-        bound = lower_bound(a, b, curvature, spin)
-        finished = wp.min(a.tau, b.tau) - bound[1] < f64(0.5) * tolerance
-        if turn % 3 == 0:
-            x = cubic_minimum(a, b)
-        elif turn % 3 == 1:
-            x = bound[0]
-        if x - a.x < f64(0.1) * width:
-            x = f64(2.0) * x - a.x
-        elif b.x - x < f64(0.1) * width:
-            x = f64(2.0) * x - b.x
-    if finished:
-        return wp.vec2d(x, f64(1.0))
-    margin = f64(1.0e-3) * width
-    return wp.vec2d(wp.clamp(x, a.x + margin, b.x - margin), f64(0.0))
-
-
-@wp.func
-def replaces_left(a: Contact, b: Contact, at: Contact) -> bool:
-    """Whether a point between a and b becomes the bracket's left end, so that a minimum stays inside."""
-    if straddles(a, b):
-        return at.push < f64(0.0)
-    if a.tau <= b.tau:
-        return at.tau < a.tau and at.push < f64(0.0)
-    return at.tau >= b.tau or at.push <= f64(0.0)
-
-
-@wp.func
-def march_point(
-    here: Contact, end: Contact, best: f64, tolerance: f64, curvature: f64, spin: f64, floor: f64
-) -> wp.vec2d:
-    """Where to look next on the way from here to the end, and 1 where the rest is certified (else 0)."""
-    forward = wp.sign(end.x - here.x)
-    slack = f64(0.1) * tolerance
-    room = wp.max(here.tau - best, f64(0.0)) + tolerance
-    reach = certified_reach(forward * here.push, here.steep, room, curvature, spin, slack)
-    left_over = wp.abs(end.x - here.x)
-    if end.found == 1:
-        room = wp.max(end.tau - best, f64(0.0)) + tolerance
-        left_over -= certified_reach(-forward * end.push, end.steep, room, curvature, spin, slack)
-    reach = wp.max(reach, floor)
-    if reach >= left_over:
-        return wp.vec2d(end.x, f64(1.0))
-    return wp.vec2d(here.x + forward * reach, f64(0.0))
-
-
-@wp.func
-def earliest_entry(
-    cutter: Cutter, motion: Motion, row: int, origin: wp.vec3d, direction: wp.vec3d, side: int,
-    left: Contact, right: Contact, tolerance: f64,
-) -> Extreme:  # fmt: skip
-    """Earliest entry over [left.x, right.x], of which at least one end hits.
-
-    Descends to the minimum inside a bracket, then marches from it to both ends by certified reaches;
-    meeting something earlier, it descends again from there. A miss ends the march, for the run of hits
-    is over; between two ends that hit it is a gap, and the search stops for the caller to split there.
-    """
-    curvature = motion.acceleration[row]
-    spin = motion.spin[row]
-    floor = (right.x - left.x) / FLOOR_STEPS
-    out = Extreme()
-    out.from_x = left.x
-    out.to_x = right.x
-    a = left
-    b = right
-    best = left
-    if right.tau < left.tau:
-        best = right
-    here = best
-    phase = int(DESCEND)
-    evaluations = int(0)
-    while evaluations < MAX_EVALUATIONS:
-        next = wp.vec2d(f64(0.0), f64(1.0))
-        if phase == DESCEND:
-            next = descent_point(a, b, tolerance, curvature, spin, evaluations)
-            if next[1] == f64(1.0):
-                phase = MARCH_RIGHT
-                if not straddles(a, b):
-                    a = best
-                    b = best
-                here = b
-        if phase == MARCH_RIGHT:
-            next = march_point(here, right, best.tau, tolerance, curvature, spin, floor)
-            if next[1] == f64(1.0):
-                phase = MARCH_LEFT
-                here = a
-        if phase == MARCH_LEFT:
-            next = march_point(here, left, best.tau, tolerance, curvature, spin, floor)
-            if next[1] == f64(1.0):
-                out.converged = 1
-                break
-        at = side_of(chord_at(cutter, motion, row, origin, direction, next[0]), side)
-        evaluations += 1
-        if at.found == 0 and left.found == 1 and right.found == 1:
-            out.gap = 1
-            out.to_x = at.x
-            out.converged = 1
-            break
-        earlier = at.tau < best.tau - f64(0.5) * tolerance
-        if at.tau < best.tau:
-            best = at
-        if phase == DESCEND:
-            if replaces_left(a, b, at):
-                a = at
-            else:
-                b = at
-        elif at.found == 0 and phase == MARCH_RIGHT:
-            out.to_x = at.x
-            phase = MARCH_LEFT
-            here = a
-        elif at.found == 0:
-            out.from_x = at.x
-            out.converged = 1
-            break
-        elif earlier and phase == MARCH_RIGHT:
-            a = at
-            b = right
-            phase = DESCEND
-        elif earlier:
-            a = left
-            b = at
-            phase = DESCEND
+def sweep_run(
+    cutter: Cutter, motion: Motion, row: int, origin: wp.vec3d, direction: wp.vec3d,
+    left: Chord, right: Chord, tolerance: f64,
+) -> Sweep:  # fmt: skip
+    """Interval removed between two poses of which at least one hits."""
+    sweep = Sweep()
+    sweep.converged = 1
+    sweep.from_x = left.entry.x
+    sweep.to_x = right.entry.x
+    for side in range(2):
+        a = side_of(left, side)
+        b = side_of(right, side)
+        end = earliest_entry(cutter, motion, row, origin, direction, side, a, b, tolerance)
+        if side == 0:
+            sweep.lo = end.tau
         else:
-            here = at
-    out.tau = best.tau
-    return out
-
-
-@wp.func
-def overlap(a: Chord, b: Chord) -> bool:
-    """Whether two chords of one ray share a point; not if either is none."""
-    if a.entry.found == 0 or b.entry.found == 0:
-        return False
-    return a.entry.tau <= -b.exit.tau and b.entry.tau <= -a.exit.tau
+            sweep.hi = -end.tau
+        sweep.from_x = wp.max(sweep.from_x, end.from_x)
+        sweep.to_x = wp.min(sweep.to_x, end.to_x)
+        sweep.gap = wp.max(sweep.gap, end.gap)
+        sweep.converged = wp.min(sweep.converged, end.converged)
+    return sweep
 
 
 @wp.func
@@ -426,13 +115,44 @@ def hidden_hit(
 
 
 @wp.func
-def may_meet(cutter: Cutter, motion: Motion, row: int, origin: wp.vec3d, direction: wp.vec3d) -> wp.vec2d:
-    """Interval of the ray inside the mid-pose cutter grown by the segment's displacement; empty (1, 0)."""
-    pose = pose_at(motion, row, f64(0.0))
-    middle = pose.tip + f64(0.5) * cutter.height * pose.axis
-    shift = wp.dot(middle - origin, direction)
-    ray = tool_ray(pose, origin + shift * direction, direction)
-    hit = cutter_interval(cutter, ray, motion.speed[row] * f64(1.0001))
-    if hit.found == 0:
-        return wp.vec2d(f64(1.0), f64(0.0))
-    return wp.vec2d(hit.lo + shift, hit.hi + shift)
+def cut_by_segment(
+    cutter: Cutter, motion: Motion, row: int, origin: wp.vec3d, direction: wp.vec3d,
+    tolerance: f64, bound: f64, ray: int, lists: IntervalLists,
+) -> int:  # fmt: skip
+    """Unite what one segment removes from one ray with the ray's list; status bits.
+
+    Takes one run of hits after the other out of the bracket [left, right], until both ends miss and
+    nothing is hidden between them.
+    """
+    left = chord_at(cutter, motion, row, origin, direction, f64(-1.0))
+    right = chord_at(cutter, motion, row, origin, direction, f64(1.0))
+    status = int(0)
+    runs = int(0)
+    while left.entry.x < right.entry.x:
+        end = right
+        if left.entry.found == 0 and right.entry.found == 0:
+            end = hidden_hit(cutter, motion, row, origin, direction, bound, left, right)
+            if end.entry.found == 0:
+                return status
+        elif left.entry.found == 1 and right.entry.found == 1 and not overlap(left, right):
+            end = separating_pose(cutter, motion, row, origin, direction, left, right)
+        if runs == MAX_RUNS:
+            return status | STATUS_NOT_CONVERGED
+        sweep = sweep_run(cutter, motion, row, origin, direction, left, end, tolerance)
+        runs += 1
+        if sweep.gap == 1:
+            end = chord_at(cutter, motion, row, origin, direction, sweep.to_x)
+            sweep = sweep_run(cutter, motion, row, origin, direction, left, end, tolerance)
+        if sweep.converged == 0:
+            status = status | STATUS_NOT_CONVERGED
+        if not insert(lists, ray, sweep.lo, sweep.hi, row, row, tolerance):
+            status = status | STATUS_INTERVALS_OVERFLOW
+        if end.entry.x < right.entry.x:
+            left = end
+        elif left.entry.found == 0:
+            right = chord_at(cutter, motion, row, origin, direction, sweep.from_x)
+        elif right.entry.found == 0:
+            left = chord_at(cutter, motion, row, origin, direction, sweep.to_x)
+        else:
+            left = right
+    return status

@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable
+import sys
+from collections.abc import Callable, Iterator
 from concurrent.futures import ThreadPoolExecutor, as_completed
+from contextlib import contextmanager, nullcontext
 from dataclasses import dataclass
 from time import perf_counter
 
@@ -61,7 +63,8 @@ def prepare(device: str) -> float:
     Raises InputError where Warp knows no such device.
     """
     started = perf_counter()
-    wp.init()
+    with nullcontext() if device.startswith("cuda") else _silent_stderr():
+        wp.init()
     try:
         wp.get_device(device)
     except Exception as error:
@@ -69,6 +72,20 @@ def prepare(device: str) -> float:
         raise InputError(f"no device {device!r}; this machine has {known}") from error
     wp.load_module(kernels, device=device)
     return perf_counter() - started
+
+
+@contextmanager
+def _silent_stderr() -> Iterator[None]:
+    """Warp's native part warns of a missing CUDA driver even where nobody asked for one."""
+    sys.stderr.flush()
+    saved, nowhere = os.dup(2), os.open(os.devnull, os.O_WRONLY)
+    try:
+        os.dup2(nowhere, 2)
+        yield
+    finally:
+        os.dup2(saved, 2)
+        os.close(saved)
+        os.close(nowhere)
 
 
 def device_name(device: str) -> str:
