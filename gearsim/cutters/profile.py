@@ -35,7 +35,8 @@ class Element:
         return not self.is_arc and self.start[1] == self.end[1]
 
     @property
-    def _angles(self) -> tuple[float, float]:
+    def angles(self) -> tuple[float, float]:
+        """An arc's first and last normal, as angles [rad] from the radial direction, up."""
         (r0, z0), (r1, z1), (rc, zc) = self.start, self.end, self.centre
         first, last = np.arctan2(z0 - zc, r0 - rc), np.arctan2(z1 - zc, r1 - rc)
         return float(first), float(last)
@@ -44,7 +45,7 @@ class Element:
     def length(self) -> float:
         """Arc length [mm]."""
         if self.is_arc:
-            first, last = self._angles
+            first, last = self.angles
             return self.radius * (last - first)
         return float(np.hypot(self.end[0] - self.start[0], self.end[1] - self.start[1]))
 
@@ -52,7 +53,7 @@ class Element:
         """Points at arc lengths s [mm] from the element's start; s beyond its ends extends it smoothly."""
         s = np.asarray(s, dtype=float)
         if self.is_arc:
-            angle = self._angles[0] + s / self.radius
+            angle = self.angles[0] + s / self.radius
             nr, nz = np.cos(angle), np.sin(angle)
             r, z = self.centre[0] + self.radius * nr, self.centre[1] + self.radius * nz
             return MeridianPoints(r, z, nr, nz, np.full(s.shape, 1.0 / self.radius))
@@ -73,7 +74,7 @@ class Element:
         dr, dz = r - self.centre[0], z - self.centre[1]
         size = np.maximum(np.hypot(dr, dz), 1e-300)
         nr, nz = dr / size, dz / size
-        first, last = self._angles
+        first, last = self.angles
         middle, half = 0.5 * (first + last), 0.5 * (last - first)
         beyond = nr * np.cos(middle) + nz * np.sin(middle) < np.cos(half)
         end = np.where(nz * np.cos(middle) - nr * np.sin(middle) < 0.0, first, last)
@@ -120,7 +121,7 @@ class Profile:
     def element_radius(e: Element) -> float:
         """Largest radius [mm] on one element."""
         ends = max(e.start[0], e.end[0])
-        if e.is_arc and e._angles[0] < 0.0 < e._angles[1]:
+        if e.is_arc and e.angles[0] < 0.0 < e.angles[1]:
             return e.centre[0] + e.radius
         return ends
 

@@ -2,22 +2,20 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Sequence
 from enum import IntEnum
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.spatial import cKDTree
 
 from gearsim.cutters.profile import Profile
-from gearsim.envelope.surface import BRANCHES, envelope_grid, envelope_points
+from gearsim.envelope.seeds import Guess, angle_seeds, distinct, envelope_seeds, standing_tools, with_neighbours
+from gearsim.envelope.surface import arc_jet, edge_jet, envelope_points
 from gearsim.envelope.trim import distance_rate
 from gearsim.geometry.rays import RayBundle
 from gearsim.motion.sources import MotionSource
 
-_POSES = 192
-_PER_ELEMENT = 12
-_ANGLES = 24
 _WALKS = 8
 _STEPS = 30
 _LONGEST_STEP = 1.0
@@ -27,6 +25,10 @@ _SETTLED = 1e-11
 _JOINT_SLACK = 1e-3
 _EDGE_SLACK = 1e-9
 _PROBES = 48
+
+# Points of a class with their derivatives by t and by place, for (piece, t, element, place, branch).
+JetPoints = tuple[NDArray, NDArray, NDArray]
+Jet = Callable[..., JetPoints]
 
 
 class Kind(IntEnum):
@@ -55,121 +57,134 @@ class Crossings(NamedTuple):
     branch: NDArray
 
 
-class _Guess(NamedTuple):
-    """Starting points of Newton's method: a ray, a pose, and a place on the tool (s, or an edge angle)."""
+def all_candidates(rays: RayBundle, source: MotionSource, cutter: Profile, thorough: bool = False) -> Crossings:
+    """Crossings of every class inside the rays' windows.
 
-    ray: NDArray
-    piece: NDArray
-    t: NDArray
-    element: NDArray
-    place: NDArray
-    branch: NDArray
-
-
-def all_candidates(rays: RayBundle, source: MotionSource, cutter: Profile) -> Crossings:
-    """Crossings of every class inside the rays' windows."""
-    found, at_joints = _envelope_crossings(rays, source, cutter)
+    Looks near the rays' origins, where a measured surface lies; ``thorough`` looks along the whole windows.
+    """
+    found, at_joints = _envelope_crossings(rays, source, cutter, thorough)
+    if thorough:
+        at_joints = standing_tools(rays, source, cutter)
     parts = [found, _pose_crossings(rays, source, cutter, at_joints)]
     if cutter.edges:
-        parts.append(_edge_crossings(rays, source, cutter))
-    joined = Crossings(*(np.concatenate(column) for column in zip(*parts, strict=True)))
+        parts.append(_edge_crossings(rays, source, cutter, thorough))
+    joined = _joined(parts)
     inside = (joined.tau >= rays.start[joined.ray]) & (joined.tau <= rays.end[joined.ray])
     return Crossings(*(column[inside] for column in joined))
 
 
 def _envelope_crossings(
-    rays: RayBundle, source: MotionSource, cutter: Profile
+    rays: RayBundle, source: MotionSource, cutter: Profile, thorough: bool
 ) -> tuple[Crossings, tuple[NDArray, NDArray]]:
     """ENVELOPE crossings, and the (ray, joint) pairs where a contact may have run off its piece."""
-    walked = _newton(rays, source, cutter, _seeds(rays, source, cutter), _WALKS, walk=True)[0]
-    guess = _with_neighbours(walked, source.pieces)
-    solved, tau, settled = _newton(rays, source, cutter, guess, _STEPS, walk=False)
-    length = np.array([e.length for e in cutter.elements])[solved.element]
-    good = settled & _within(solved.t, 1.0) & _within(solved.place, length)
-    chosen = _Guess(*(column[good] for column in solved))
-    kind = np.full(len(chosen.ray), Kind.ENVELOPE)
-    crossings = Crossings(
-        chosen.ray, tau[good], kind, chosen.piece, chosen.t, chosen.element, chosen.place, chosen.branch
-    )
+
+    def jet(piece: NDArray, t: NDArray, element: NDArray, s: NDArray, branch: NDArray) -> JetPoints:
+        at = envelope_points(source, cutter, piece, t, element, s, branch)
+        return at.point, at.point_t, at.point_s
+
+    seeds = distinct(envelope_seeds(rays, source, cutter, thorough), thorough)
+    walked = _newton(rays, jet, seeds, _WALKS, source.pieces)[0]
+    guess = distinct(with_neighbours(walked, source.pieces, _BEYOND), thorough)
+    solved, tau, settled = _newton(rays, jet, guess, _STEPS)
     early, late = ~settled | (solved.t < _JOINT_SLACK), ~settled | (solved.t > 1.0 - _JOINT_SLACK)
     ray = np.concatenate([solved.ray[early], solved.ray[late]])
     joint = np.concatenate([solved.piece[early], solved.piece[late] + 1])
-    return crossings, (ray, joint)
+    found = _on_the_profile(cutter, solved, tau, settled)
+    if thorough and any(e.is_arc for e in cutter.elements):
+        found = _joined([found, _arc_crossings(rays, source, cutter)])
+    return found, (ray, joint)
 
 
-def _seeds(rays: RayBundle, source: MotionSource, cutter: Profile) -> _Guess:
-    """For each ray the nearest envelope point of every profile element and branch within its window."""
-    grid = envelope_grid(source, cutter, _POSES, _PER_ELEMENT)
-    guesses = []
-    for i in range(len(cutter.elements)):
-        columns = np.flatnonzero(grid.element == i)
-        for k, branch in enumerate(BRANCHES):
-            pose, column = np.nonzero(grid.exists[:, columns, k])
-            ray, nearest = _nearest(rays, grid.point[pose, columns[column], k])
-            pose, column = pose[nearest], columns[column[nearest]]
-            same = np.full(len(ray), i), grid.s[column], np.full(len(ray), branch)
-            guesses.append(_Guess(ray, grid.piece[pose], grid.t[pose], *same))
-    return _Guess(*(np.concatenate(column) for column in zip(*guesses, strict=True)))
+def _arc_crossings(rays: RayBundle, source: MotionSource, cutter: Profile) -> Crossings:
+    """ENVELOPE crossings of the profile's arcs in the chart that is regular where the usual one folds."""
+
+    def jet(piece: NDArray, t: NDArray, element: NDArray, angle: NDArray, _: NDArray | None = None) -> JetPoints:
+        return arc_jet(source, cutter, piece, t, element, angle)[:3]
+
+    arcs = [i for i, e in enumerate(cutter.elements) if e.is_arc]
+    solved, tau, settled = _solve_angles(rays, source, arcs, jet, thorough=True)
+    *_, s, branch = arc_jet(source, cutter, solved.piece, solved.t, solved.element, solved.place)
+    return _on_the_profile(cutter, solved._replace(place=s, branch=branch), tau, settled)
 
 
-def _nearest(rays: RayBundle, points: NDArray) -> tuple[NDArray, NDArray]:
-    """For each ray with a grid point within its window's length of its origin, the nearest one."""
-    if not len(points):
-        return np.empty(0, dtype=int), np.empty(0, dtype=int)
-    distance, index = cKDTree(points).query(rays.origin)
-    near = distance <= np.maximum(rays.end, -rays.start) + _LONGEST_STEP
-    return np.flatnonzero(near), index[near]
+def _edge_crossings(rays: RayBundle, source: MotionSource, cutter: Profile, thorough: bool) -> Crossings:
+    """EDGE crossings: sharp circles of the profile swept along the motion."""
+
+    def jet(piece: NDArray, t: NDArray, edge: NDArray, angle: NDArray, _: NDArray | None = None) -> JetPoints:
+        return edge_jet(source, cutter, piece, t, edge, angle)
+
+    solved, tau, settled = _solve_angles(rays, source, cutter.edges, jet, thorough)
+    good = settled & _within(solved.t, 1.0)
+    n = int(good.sum())
+    return Crossings(
+        solved.ray[good], tau[good], np.full(n, Kind.EDGE), solved.piece[good], solved.t[good],
+        np.full(n, -1), np.full(n, np.nan), np.zeros(n),
+    )  # fmt: skip
 
 
-def _with_neighbours(guess: _Guess, pieces: int) -> _Guess:
-    """Each guess on its own piece and on the two beside it, without repeats."""
-    ray, piece, t, element, place, branch = (np.tile(c, 3) for c in guess)
-    shift = np.repeat([0, -1, 1], len(guess.ray))
-    piece, t = piece + shift, np.clip(t - shift, -_BEYOND, 1.0 + _BEYOND)
-    good = (piece >= 0) & (piece < pieces)
-    key = np.stack([ray, piece, element, branch.astype(int)])[:, good]
-    _, first = np.unique(key, axis=1, return_index=True)
-    return _Guess(*(c[good][first] for c in (ray, piece, t, element, place, branch)))
+def _solve_angles(
+    rays: RayBundle, source: MotionSource, elements: Sequence[int], jet: Jet, thorough: bool
+) -> tuple[Guess, NDArray, NDArray]:
+    """Newton's method on surfaces over (t, angle about the axis), from their nearest points."""
+    seeds = angle_seeds(rays, source, elements, jet, thorough)
+    return _newton(rays, jet, distinct(with_neighbours(seeds, source.pieces, _BEYOND), fine=True), _STEPS)
 
 
-def _newton(
-    rays: RayBundle, source: MotionSource, cutter: Profile, guess: _Guess, steps: int, walk: bool
-) -> tuple[_Guess, NDArray, NDArray]:
-    """Solve X(t, s) = origin + tau direction; returns the solutions, tau, and which of them settled.
+def _on_the_profile(cutter: Profile, solved: Guess, tau: NDArray, settled: NDArray) -> Crossings:
+    """The settled solutions that lie on their piece of the path and their element of the profile."""
+    length = np.array([e.length for e in cutter.elements])[solved.element]
+    good = settled & _within(solved.t, 1.0) & _within(solved.place, length)
+    ray, piece, t, element, place, branch = (column[good] for column in solved)
+    return Crossings(ray, tau[good], np.full(len(ray), Kind.ENVELOPE), piece, t, element, place, branch)
 
-    ``walk``: a solution that runs off its piece goes on in the next one.
+
+def _joined(parts: list[Crossings]) -> Crossings:
+    return Crossings(*(np.concatenate(column) for column in zip(*parts, strict=True)))
+
+
+def _newton(rays: RayBundle, jet: Jet, guess: Guess, steps: int, walk: int = 0) -> tuple[Guess, NDArray, NDArray]:
+    """Solve point(t, place) = origin + tau direction; returns solutions, tau, and which of them settled.
+
+    A step to where no point exists is taken back by halves: solutions can lie close to the surface's end.
+
+    ``walk``: number of pieces; a solution that runs off its piece goes on in the next one (0: it stays).
     """
-    ray, piece, t, element, s, branch = (np.array(c) for c in guess)
+    ray, piece, t, element, place, branch = (np.array(c) for c in guess)
     origin, direction = rays.origin[ray], rays.direction[ray]
     e1, e2 = _across(direction)
-    live = np.arange(len(ray))
+    live, last = np.arange(len(ray)), np.zeros((2, len(ray)))
     for _ in range(steps):
-        at = envelope_points(source, cutter, piece[live], t[live], element[live], s[live], branch[live])
-        dt, ds, miss = _step(at.point - origin[live], at.point_t, at.point_s, e1[live], e2[live])
-        s[live] += ds
+        point, by_t, by_place = jet(piece[live], t[live], element[live], place[live], branch[live])
+        dt, dplace, miss = _step(point - origin[live], by_t, by_place, e1[live], e2[live])
+        lost = ~np.isfinite(miss)
+        dt, dplace = (np.where(lost, -0.5 * back, step) for back, step in zip(last[:, live], (dt, dplace), strict=True))
+        last[:, live] = np.where(lost, -1.0, 1.0) * np.stack([dt, dplace])
+        place[live] += dplace
         after = t[live] + dt
         if walk:
-            onward = np.clip(np.floor(after).astype(int), -piece[live], source.pieces - 1 - piece[live])
+            onward = np.clip(np.floor(after).astype(int), -piece[live], walk - 1 - piece[live])
             piece[live] += onward
             after -= onward
         t[live] = np.clip(after, -_BEYOND, 1.0 + _BEYOND)
-        live = live[np.isfinite(miss) & (miss > _CONVERGED)]
-    at = envelope_points(source, cutter, piece, t, element, s, branch)
-    *_, miss = _step(at.point - origin, at.point_t, at.point_s, e1, e2)
-    tau = _dot(at.point - origin, direction)
-    return _Guess(ray, piece, t, element, s, branch), tau, np.nan_to_num(miss, nan=np.inf) < _SETTLED
+        live = live[lost | (miss > _CONVERGED)]
+    point, by_t, by_place = jet(piece, t, element, place, branch)
+    *_, miss = _step(point - origin, by_t, by_place, e1, e2)
+    tau = _dot(point - origin, direction)
+    return Guess(ray, piece, t, element, place, branch), tau, np.nan_to_num(miss, nan=np.inf) < _SETTLED
 
 
-def _step(miss: NDArray, by_t: NDArray, by_s: NDArray, e1: NDArray, e2: NDArray) -> tuple[NDArray, NDArray, NDArray]:
-    """Newton step (dt, ds) that carries the point onto the ray, shortened to 1 mm; 0 where there is none."""
+def _step(
+    miss: NDArray, by_t: NDArray, by_place: NDArray, e1: NDArray, e2: NDArray
+) -> tuple[NDArray, NDArray, NDArray]:
+    """Newton step that carries the point onto the ray, shortened to 1 mm; 0 where there is none."""
     m1, m2 = _dot(miss, e1), _dot(miss, e2)
-    a, b, c, d = _dot(by_t, e1), _dot(by_s, e1), _dot(by_t, e2), _dot(by_s, e2)
+    a, b, c, d = _dot(by_t, e1), _dot(by_place, e1), _dot(by_t, e2), _dot(by_place, e2)
     with np.errstate(invalid="ignore", divide="ignore"):
         det = a * d - b * c
-        dt, ds = (b * m2 - d * m1) / det, (c * m1 - a * m2) / det
-        moved = np.linalg.norm(by_t * dt[:, None] + by_s * ds[:, None], axis=1)
+        dt, dplace = (b * m2 - d * m1) / det, (c * m1 - a * m2) / det
+        moved = np.linalg.norm(by_t * dt[:, None] + by_place * dplace[:, None], axis=1)
         scale = np.minimum(1.0, _LONGEST_STEP / np.maximum(moved, 1e-300))
-    return np.nan_to_num(dt * scale), np.nan_to_num(ds * scale), np.hypot(m1, m2)
+    return np.nan_to_num(dt * scale), np.nan_to_num(dplace * scale), np.hypot(m1, m2)
 
 
 def _pose_crossings(rays: RayBundle, source: MotionSource, cutter: Profile, near: tuple[NDArray, NDArray]) -> Crossings:
@@ -180,10 +195,10 @@ def _pose_crossings(rays: RayBundle, source: MotionSource, cutter: Profile, near
     point = rays.origin[ray] + tau[:, None] * rays.direction[ray]
     before = _rate_at(source, cutter, point, np.maximum(joint - 1, 0), np.ones(len(ray)))
     after = _rate_at(source, cutter, point, np.minimum(joint, source.pieces - 1), np.zeros(len(ray)))
-    ends = (joint == 0) | (joint == source.pieces)
-    lowest = ((before <= 1e-9) | (joint == 0)) & ((after >= -1e-9) | (joint == source.pieces))
-    kind = np.where(ends, Kind.PATH_END, Kind.JOINT)
     last = joint == source.pieces
+    ends = (joint == 0) | last
+    lowest = ((before <= 1e-9) | (joint == 0)) & ((after >= -1e-9) | last)
+    kind = np.where(ends, Kind.PATH_END, Kind.JOINT)
     n = int(lowest.sum())
     return Crossings(
         ray[lowest], tau[lowest], kind[lowest], np.where(last, joint - 1, joint)[lowest],
@@ -214,8 +229,8 @@ def _tool_crossings(rays: RayBundle, source: MotionSource, cutter: Profile, join
     return _root(lambda x: distance(row, x), tau[row, k], tau[row, k + 1], f[row, k], f[row, k + 1]), row
 
 
-def _root(f, a: NDArray, b: NDArray, fa: NDArray, fb: NDArray) -> NDArray:  # type: ignore[no-untyped-def]
-    """Roots in brackets [a, b] by bisection with secant steps."""
+def _root(f: Callable[[NDArray], NDArray], a: NDArray, b: NDArray, fa: NDArray, fb: NDArray) -> NDArray:
+    """Roots in brackets [a, b] by secant steps with bisection."""
     for i in range(80):
         x = 0.5 * (a + b) if i % 3 == 2 else (a * fb - b * fa) / (fb - fa)
         x = np.clip(np.where(np.isfinite(x), x, 0.5 * (a + b)), np.minimum(a, b), np.maximum(a, b))
@@ -226,64 +241,6 @@ def _root(f, a: NDArray, b: NDArray, fa: NDArray, fb: NDArray) -> NDArray:  # ty
         if np.max(np.minimum(np.abs(b - a), np.minimum(np.abs(fa), np.abs(fb))), initial=0.0) < 1e-14:
             break
     return np.where(np.abs(fa) < np.abs(fb), a, b)
-
-
-def _edge_crossings(rays: RayBundle, source: MotionSource, cutter: Profile) -> Crossings:
-    """EDGE crossings: sharp circles of the profile swept along the motion."""
-    guesses = []
-    each = max(1, -(-_POSES // source.pieces))
-    angles = 2.0 * np.pi * np.arange(_ANGLES) / _ANGLES
-    piece = np.repeat(np.arange(source.pieces), each * _ANGLES)
-    t = np.tile(np.repeat((np.arange(each) + 0.5) / each, _ANGLES), source.pieces)
-    angle = np.tile(angles, source.pieces * each)
-    for edge in cutter.edges:
-        label = np.full(len(t), edge)
-        points = _edge_jet(source, cutter, piece, t, label, angle)[0]
-        ray, nearest = _nearest(rays, points)
-        no_branch = np.zeros(len(ray))
-        guesses.append(_Guess(ray, piece[nearest], t[nearest], label[nearest], angle[nearest], no_branch))
-    seed = _Guess(*(np.concatenate(column) for column in zip(*guesses, strict=True)))
-    seed = _with_neighbours(seed, source.pieces)
-    return _solve_edges(rays, source, cutter, seed)
-
-
-def _solve_edges(rays: RayBundle, source: MotionSource, cutter: Profile, guess: _Guess) -> Crossings:
-    ray, piece, t, edge, angle, _ = (np.array(c) for c in guess)
-    origin, direction = rays.origin[ray], rays.direction[ray]
-    e1, e2 = _across(direction)
-    for _ in range(_STEPS):
-        point, by_t, by_angle = _edge_jet(source, cutter, piece, t, edge, angle)
-        dt, da, _ = _step(point - origin, by_t, by_angle, e1, e2)
-        t, angle = np.clip(t + dt, -_BEYOND, 1.0 + _BEYOND), angle + da
-    point, by_t, by_angle = _edge_jet(source, cutter, piece, t, edge, angle)
-    *_, miss = _step(point - origin, by_t, by_angle, e1, e2)
-    good = (np.nan_to_num(miss, nan=np.inf) < _SETTLED) & _within(t, 1.0)
-    n = int(good.sum())
-    return Crossings(
-        ray[good], _dot(point - origin, direction)[good], np.full(n, Kind.EDGE), piece[good], t[good],
-        np.full(n, -1), np.full(n, np.nan), np.zeros(n),
-    )  # fmt: skip
-
-
-def _edge_jet(
-    source: MotionSource, cutter: Profile, piece: NDArray, t: NDArray, edge: NDArray, angle: NDArray
-) -> tuple[NDArray, NDArray, NDArray]:
-    """Points of a profile edge's circle and their derivatives by t and by the angle about the axis.
-
-    The angle counts from the projection of a fixed direction, whose own turning with the axis adds only
-    a motion along the circle; the derivative by t leaves it out.
-    """
-    tip, axis = (s.derivatives() for s in source.pose(piece, t, 1))
-    ends = np.array([cutter.elements[e].end for e in range(len(cutter.elements))])[edge]
-    fixed = np.eye(3)[np.argmin(np.abs(axis[0]), axis=1)]
-    x = fixed - _dot(fixed, axis[0])[:, None] * axis[0]
-    x /= np.linalg.norm(x, axis=1, keepdims=True)
-    y = np.cross(axis[0], x)
-    c, s = np.cos(angle)[:, None], np.sin(angle)[:, None]
-    u, around = c * x + s * y, c * y - s * x
-    r, z = ends[:, :1], ends[:, 1:]
-    u_rate = -_dot(u, axis[1])[:, None] * axis[0]
-    return tip[0] + z * axis[0] + r * u, tip[1] + z * axis[1] + r * u_rate, r * around
 
 
 def _within(value: NDArray, length: NDArray | float) -> NDArray:

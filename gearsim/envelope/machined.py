@@ -15,6 +15,7 @@ from gearsim.geometry.rays import RayBundle
 from gearsim.motion.sources import MotionSource
 
 TRIM_TOLERANCE = 1e-9
+_CHECKED = 1e-3
 
 
 @dataclass(frozen=True)
@@ -39,6 +40,10 @@ class EnvelopeRoad:
     def valid(self) -> NDArray:
         return self.kind > 0
 
+    def columns(self) -> list[NDArray]:
+        """The fields in order."""
+        return [getattr(self, f) for f in self.__dataclass_fields__]
+
     def share(self) -> dict[str, float]:
         """Fraction of the rays in each class."""
         return {k.name.lower(): float(np.mean(self.kind == k)) for k in Kind}
@@ -48,16 +53,45 @@ def machined_along(rays: RayBundle, sources: Sequence[MotionSource], cutter: Pro
     """Where rays whose material lies behind their origin meet the surface machined by some motions.
 
     From an origin that no pose reaches, outward to the first surviving crossing; from one inside the cut,
-    inward to it. A candidate survives if no pose of any exact motion holds it deeper than 1e-9 mm.
+    inward to it. A candidate survives if no pose of any exact motion holds it deeper than 1e-9 mm. Rays that
+    find nothing near their origin, or on whose way to the crossing another one was missed, are searched
+    along their whole window.
     """
-    found = [all_candidates(rays, source, cutter) for source in sources]
+    inside = _least_distance(sources, cutter, rays.origin) < 0.0
+    road = _search(rays, sources, cutter, inside, thorough=False)
+    again = np.flatnonzero(~road.valid | _passes_a_crossing(rays, sources, cutter, inside, road.deviation))
+    if len(again):
+        found = _search(rays.part(again), sources, cutter, inside[again], thorough=True)
+        for old, new in zip(road.columns(), found.columns(), strict=True):
+            old[again] = new
+    return road
+
+
+def _search(
+    rays: RayBundle, sources: Sequence[MotionSource], cutter: Profile, inside: NDArray, thorough: bool
+) -> EnvelopeRoad:
+    found = [all_candidates(rays, source, cutter, thorough) for source in sources]
     path = np.repeat(np.arange(len(sources)), [len(f.ray) for f in found])
     every = Crossings(*(np.concatenate(columns) for columns in zip(*found, strict=True)))
+    ahead = np.flatnonzero(_ahead(every, inside))
+    every, path = Crossings(*(c[ahead] for c in every)), path[ahead]
     points = rays.origin[every.ray] + every.tau[:, None] * rays.direction[every.ray]
     standing = _least_distance(sources, cutter, points) > -TRIM_TOLERANCE
-    inside = _least_distance(sources, cutter, rays.origin) < 0.0
-    chosen = _nearest(every, standing & _ahead(every, inside))
+    chosen = _nearest(every, standing)
     return _road(len(rays), Crossings(*(c[chosen] for c in every)), path[chosen])
+
+
+def _passes_a_crossing(
+    rays: RayBundle, sources: Sequence[MotionSource], cutter: Profile, inside: NDArray, deviation: NDArray
+) -> NDArray:
+    """Whether points on the way from the origin to the crossing lie in the other state than the origin."""
+    long = np.flatnonzero(np.abs(np.nan_to_num(deviation)) > _CHECKED)
+    passes = np.zeros(len(rays), dtype=bool)
+    for fraction in (0.25, 0.5, 0.75, 0.95):
+        points = rays.origin[long] + (fraction * deviation[long])[:, None] * rays.direction[long]
+        distance = _least_distance(sources, cutter, points)
+        passes[long] |= np.where(inside[long], distance > TRIM_TOLERANCE, distance < -TRIM_TOLERANCE)
+    return passes
 
 
 def _least_distance(sources: Sequence[MotionSource], cutter: Profile, points: NDArray) -> NDArray:

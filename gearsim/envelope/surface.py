@@ -28,6 +28,75 @@ def envelope_points(
     return grazing_points(pose_jet(source, piece, t), cutter.at(element, s), branch)
 
 
+def edge_jet(
+    source: MotionSource, cutter: Profile, piece: NDArray, t: NDArray, edge: NDArray, angle: NDArray
+) -> tuple[NDArray, NDArray, NDArray]:
+    """Points of a profile edge's circle and their derivatives by t and by the angle about the axis.
+
+    The derivative by t keeps the radial direction from turning about the axis; the difference is a motion
+    along the circle.
+    """
+    tip, axis = (s.derivatives() for s in source.pose(piece, t, 1))
+    ends = np.array([e.end for e in cutter.elements])[edge]
+    u, around = _radial(axis[0], angle)
+    r, z = ends[:, :1], ends[:, 1:]
+    u_rate = -_dot(u, axis[1]) * axis[0]
+    return tip[0] + z * axis[0] + r * u, tip[1] + z * axis[1] + r * u_rate, r * around
+
+
+def arc_jet(
+    source: MotionSource, cutter: Profile, piece: NDArray, t: NDArray, element: NDArray, angle: NDArray
+) -> tuple[NDArray, NDArray, NDArray, NDArray, NDArray]:
+    """The envelope of profile arcs over (t, angle about the axis) instead of (t, arc length).
+
+    For a given radial direction u the envelope condition fixes the meridian normal:
+        nr u.(p' + zc l') + nz (l.p' - rc u.l') = 0,
+    with the arc's centre (rc, zc). This chart is regular where the other one folds (its branches meet: the
+    bottom of a trough). Returns points, their derivatives by t and angle, arc lengths s [mm], branches.
+    """
+    pose = pose_jet(source, piece, t)
+    arcs = [cutter.elements[i] for i in range(len(cutter.elements))]
+    rc, zc, rho, first = (
+        np.array(c)[element][:, None]
+        for c in zip(*((*e.centre, e.radius, e.angles[0] if e.is_arc else 0.0) for e in arcs), strict=True)
+    )
+    u, around = _radial(pose.axis, angle)
+    q_rate, q_rate2 = pose.tip_rate + zc * pose.axis_rate, pose.tip_rate2 + zc * pose.axis_rate2
+    lean = _dot(u, pose.axis_rate)
+    a = _dot(pose.axis, pose.tip_rate) - rc * lean
+    b = -_dot(u, q_rate)
+    sign = np.where(a < 0.0, -1.0, 1.0)
+    size = np.hypot(a, b)
+    with np.errstate(invalid="ignore", divide="ignore"):
+        nr, nz = sign * a / size, sign * b / size
+        a_t = _dot(pose.axis_rate, pose.tip_rate) + _dot(pose.axis, pose.tip_rate2) - rc * _dot(u, pose.axis_rate2)
+        b_t = lean * _dot(pose.axis, q_rate) - _dot(u, q_rate2)
+        turn_t = (a * b_t - b * a_t) / size**2
+        turn_angle = (-a * _dot(around, q_rate) + b * rc * _dot(around, pose.axis_rate)) / size**2
+    along = -nz * u + nr * pose.axis
+    u_t = -lean * pose.axis
+    point = pose.tip + zc * pose.axis + rc * u + rho * (nr * u + nz * pose.axis)
+    by_t = q_rate + (rc + rho * nr) * u_t + rho * nz * pose.axis_rate + rho * turn_t * along
+    by_angle = (rc + rho * nr) * around + rho * turn_angle * along
+    g = nr * pose.tip_rate + ((zc + rho * nz) * nr - (rc + rho * nr) * nz) * pose.axis_rate
+    branch = np.where(_dot(u, np.cross(pose.axis, g)) < 0.0, -1.0, 1.0)
+    return point, by_t, by_angle, (rho * (np.arctan2(nz, nr) - first))[:, 0], branch[:, 0]
+
+
+def _radial(axis: NDArray, angle: NDArray) -> tuple[NDArray, NDArray]:
+    """Unit vectors normal to the axes at an angle from a fixed direction's projection, and 90 deg on."""
+    fixed = np.eye(3)[np.argmin(np.abs(axis), axis=1)]
+    x = fixed - _dot(fixed, axis) * axis
+    x /= np.linalg.norm(x, axis=1, keepdims=True)
+    y = np.cross(axis, x)
+    c, s = np.cos(angle)[:, None], np.sin(angle)[:, None]
+    return c * x + s * y, c * y - s * x
+
+
+def _dot(a: NDArray, b: NDArray) -> NDArray:
+    return np.einsum("ij,ij->i", a, b)[:, None]
+
+
 class EnvelopeGrid(NamedTuple):
     """Grazing points of a whole motion: axes are pose (i), profile point (j), branch (k: +1, -1).
 

@@ -65,6 +65,7 @@ class Turned:
             tau = np.stack([q / a, c / q], axis=1)
         height = z[:, None] + tau * dz[:, None]
         good = np.isfinite(tau) & (height >= min(z0, z1)) & (height <= max(z0, z1))
+        tau = np.where(good, tau, 0.0)
         return np.where(good & (edge[:, None] + tau * edge_rate[:, None] >= 0.0), tau, np.inf)
 
 

@@ -105,8 +105,8 @@ def cutter_data(cutter: Profile, device: str) -> Cutter:
         kinds.append(int(ARC if e.is_arc else LINE))
         if e.is_arc and e.centre[0] < 0.0:
             raise InputError(
-                f"cutter {cutter.name!r}: an arc's centre lies {-e.centre[0]:g} mm beyond the axis; such barrels cannot "
-                "be cut with yet"
+                f"cutter {cutter.name!r}: an arc's centre lies {-e.centre[0]:g} mm beyond the axis; the removal road "
+                "cannot cut with such barrels yet"
             )
         if e.is_arc:
             rows.append([z0, z1, e.centre[0], e.centre[1], e.radius])

@@ -1,0 +1,146 @@
+"""Where to start looking: for each ray, nearby points of every closed-form class."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial import cKDTree
+
+from gearsim.cutters.profile import Profile
+from gearsim.envelope.surface import BRANCHES, envelope_grid
+from gearsim.geometry.rays import RayBundle
+from gearsim.motion.sources import MotionSource
+
+_POSES = 192
+_PER_ELEMENT = 12
+_ANGLES = 24
+_PROBE_STEP = 0.4
+_SLACK = 1.0
+_SEVERAL = 5
+_CHUNK = 1 << 20
+
+
+PointsAt = Callable[[NDArray, NDArray, NDArray, NDArray], tuple[Any, ...]]
+
+
+class Guess(NamedTuple):
+    """Starting points of Newton's method, each field of shape (n,): a ray, a pose, a place on the tool.
+
+    ``place`` is the arc length s [mm] on a profile ``element``, or the angle [rad] on the edge that ends it.
+    """
+
+    ray: NDArray
+    piece: NDArray
+    t: NDArray
+    element: NDArray
+    place: NDArray
+    branch: NDArray
+
+
+def probes(rays: RayBundle, thorough: bool) -> tuple[NDArray, NDArray, NDArray]:
+    """Points to look from, shape (n, 3), their rays, and how far to look [mm].
+
+    The rays' origins; if ``thorough``, points all along the windows instead.
+    """
+    every = np.arange(len(rays))
+    if not thorough:
+        return rays.origin, every, np.maximum(rays.end, -rays.start) + _SLACK
+    count = np.ceil((rays.end - rays.start) / _PROBE_STEP).astype(int) + 1
+    ray = np.repeat(every, count)
+    index = np.arange(count.sum()) - np.repeat(np.cumsum(count) - count, count)
+    tau = rays.start[ray] + (rays.end - rays.start)[ray] * index / np.maximum(count - 1, 1)[ray]
+    return rays.origin[ray] + tau[:, None] * rays.direction[ray], ray, np.full(len(ray), _SLACK)
+
+
+def envelope_seeds(rays: RayBundle, source: MotionSource, cutter: Profile, thorough: bool) -> Guess:
+    """The nearest envelope point of every profile element and branch to each probe."""
+    grid = envelope_grid(source, cutter, _POSES, _PER_ELEMENT)
+    where = probes(rays, thorough)
+    guesses = []
+    for i in range(len(cutter.elements)):
+        columns = np.flatnonzero(grid.element == i)
+        for k, branch in enumerate(BRANCHES):
+            pose, column = np.nonzero(grid.exists[:, columns, k])
+            ray, nearest = _nearest(where, grid.point[pose, columns[column], k])
+            pose, column = pose[nearest], columns[column[nearest]]
+            same = np.full(len(ray), i), grid.s[column], np.full(len(ray), branch)
+            guesses.append(Guess(ray, grid.piece[pose], grid.t[pose], *same))
+    return _joined(guesses)
+
+
+def angle_seeds(rays: RayBundle, source: MotionSource, elements: Sequence[int], jet: PointsAt, thorough: bool) -> Guess:
+    """The nearest points to each probe of surfaces over (t, angle about the axis), one an element.
+
+    ``jet`` gives a surface's points, first, for (piece, t, element, angle).
+    """
+    each = max(1, -(-_POSES // source.pieces))
+    piece = np.repeat(np.arange(source.pieces), each * _ANGLES)
+    t = np.tile(np.repeat((np.arange(each) + 0.5) / each, _ANGLES), source.pieces)
+    angle = np.tile(2.0 * np.pi * np.arange(_ANGLES) / _ANGLES, source.pieces * each)
+    where = probes(rays, thorough)
+    guesses = []
+    for element in elements:
+        label = np.full(len(t), element)
+        points = jet(piece, t, label, angle)[0]
+        exists = np.flatnonzero(np.isfinite(points[:, 0]))
+        ray, near = _nearest(where, points[exists])
+        near = exists[near]
+        guesses.append(Guess(ray, piece[near], t[near], label[near], angle[near], np.zeros(len(ray))))
+    return _joined(guesses)
+
+
+def with_neighbours(guess: Guess, pieces: int, beyond: float) -> Guess:
+    """Each guess on its own piece and on the two beside it; of equal ones, the first."""
+    ray, piece, t, element, place, branch = (np.tile(c, 3) for c in guess)
+    shift = np.repeat([0, -1, 1], len(guess.ray))
+    piece, t = piece + shift, np.clip(t - shift, -beyond, 1.0 + beyond)
+    good = (piece >= 0) & (piece < pieces)
+    return Guess(*(c[good] for c in (ray, piece, t, element, place, branch)))
+
+
+def distinct(guess: Guess, fine: bool) -> Guess:
+    """One guess per ray, piece, element and branch; if ``fine``, per place too (to half a millimetre)."""
+    columns = [guess.ray, guess.piece, guess.element, guess.branch.astype(int)]
+    if fine:
+        columns.append(np.round(2.0 * guess.place).astype(int))
+    _, first = np.unique(np.stack(columns), axis=1, return_index=True)
+    return Guess(*(c[first] for c in guess))
+
+
+def standing_tools(rays: RayBundle, source: MotionSource, cutter: Profile) -> tuple[NDArray, NDArray]:
+    """(ray, joint) pairs where the tool standing in a joint pose comes near the ray's window.
+
+    Joint i is the pose in which piece i begins; the last is the path's end.
+    """
+    joint = np.arange(source.pieces + 1)
+    last = joint == source.pieces
+    pose = source.pose(np.where(last, joint - 1, joint), np.where(last, 1.0, 0.0), 0)
+    points, ray, _ = probes(rays, thorough=True)
+    pairs = []
+    step = max(1, _CHUNK // len(joint))
+    for begin in range(0, len(points), step):
+        q = points[begin : begin + step, None] - pose.tip.value
+        z = np.einsum("ijk,jk->ij", q, pose.axis.value)
+        r = np.sqrt(np.maximum(np.einsum("ijk,ijk->ij", q, q) - z * z, 0.0))
+        i, j = np.nonzero(np.abs(cutter.signed_distance(r, z)) < _PROBE_STEP)
+        pairs.append(np.stack([ray[begin + i], joint[j]]))
+    found = np.unique(np.concatenate(pairs, axis=1), axis=1) if pairs else np.empty((2, 0), dtype=int)
+    return found[0], found[1]
+
+
+def _nearest(where: tuple[NDArray, NDArray, NDArray], points: NDArray) -> tuple[NDArray, NDArray]:
+    """For each probe the nearest points within its reach, as (ray, point) pairs."""
+    if not len(points):
+        return np.empty(0, dtype=int), np.empty(0, dtype=int)
+    probe, ray, reach = where
+    k = _SEVERAL if len(np.unique(ray)) < len(ray) else 1
+    distance, index = cKDTree(points).query(probe, k=min(k, len(points)))
+    near, column = np.nonzero(distance.reshape(len(probe), -1) <= reach[:, None])
+    return ray[near], index.reshape(len(probe), -1)[near, column]
+
+
+def _joined(guesses: list[Guess]) -> Guess:
+    return Guess(*(np.concatenate(column) for column in zip(*guesses, strict=True)))

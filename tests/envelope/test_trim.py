@@ -1,0 +1,57 @@
+import numpy as np
+import pytest
+from scipy.optimize import minimize_scalar
+
+from gearsim.envelope.trim import distance_rate, path_distance
+from tests.simulation.test_removal import CUTTERS, random_path
+
+
+def test_rate_is_the_derivative_of_the_distance(rng):
+    source, cutter = random_path(rng), CUTTERS[0]
+    points = source.tips.mean(axis=0) + rng.normal(size=(50, 3)) * 8.0
+    piece, t, h = np.zeros(50, dtype=int), np.full(50, 0.4), 1e-6
+
+    def at(t):
+        tip, axis = (s.derivatives() for s in source.pose(piece, t, 1))
+        return distance_rate(cutter, points, tip[0], axis[0], tip[1], axis[1])
+
+    difference = (at(t + h)[0] - at(t - h)[0]) / (2 * h)
+    assert np.quantile(np.abs(difference - at(t)[1]), 0.95) < 1e-6
+
+
+@pytest.mark.parametrize("cutter", CUTTERS, ids=lambda c: f"{c.name} {len(c.elements)}")
+def test_least_distance_agrees_with_a_fine_scan(cutter, rng):
+    for _ in range(4):
+        source = random_path(rng)
+        middle = source.tips.mean(axis=0) + 6.0 * source.axes[0]
+        points = middle + rng.normal(size=(20, 3)) * 5.0
+        ours = path_distance(source, cutter, points)
+        for point, least in zip(points, ours, strict=True):
+
+            def distance(x, point=point, source=source):
+                x = np.clip(np.atleast_1d(x), 0.0, source.pieces)
+                piece = np.minimum(x.astype(int), source.pieces - 1)
+                pose = source.pose(piece, x - piece, 0)
+                q = point - pose.tip.value
+                z = np.sum(q * pose.axis.value, axis=1)
+                return cutter.signed_distance(np.linalg.norm(q - z[:, None] * pose.axis.value, axis=1), z)
+
+            x = np.linspace(0.0, source.pieces, 2001)
+            f = distance(x)
+            k = int(np.argmin(f))
+            near = (max(x[k] - 1e-3, 0.0), min(x[k] + 1e-3, source.pieces))
+            fine = minimize_scalar(lambda v, d=distance: d(v)[0], bounds=near, options={"xatol": 1e-12}).fun
+            assert least <= min(fine, f[k]) + 1e-10
+            assert least >= min(fine, f[k]) - 1e-6
+
+
+def test_points_of_the_swept_boundary_have_distance_zero(rng):
+    """Rigidly carried tool points stay inside or on the swept volume at every pose."""
+    source, cutter = random_path(rng), CUTTERS[0]
+    element = cutter.elements[2]
+    p = element.at(np.linspace(0.1, 0.9, 15) * element.length)
+    pose = source.pose(np.zeros(15, dtype=int), np.linspace(0, 1, 15), 0)
+    u = np.cross(pose.axis.value, rng.normal(size=3))
+    u /= np.linalg.norm(u, axis=1, keepdims=True)
+    points = pose.tip.value + p.z[:, None] * pose.axis.value + p.r[:, None] * u
+    assert np.all(path_distance(source, cutter, points) <= 1e-12)
