@@ -1,6 +1,35 @@
 """gearsim: machines gears virtually and measures the machined tooth in micrometres."""
 
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
+
 from gearsim.errors import GearsimError, InputError, NumericalError
 
+if TYPE_CHECKING:
+    from gearsim.result import Result
+    from gearsim.runner import run
+    from gearsim.scene import Scene, load_scene, scene_names
+
 __version__ = "0.1.0"
-__all__ = ["GearsimError", "InputError", "NumericalError", "__version__"]
+__all__ = [
+    "GearsimError",
+    "InputError",
+    "NumericalError",
+    "Result",
+    "Scene",
+    "__version__",
+    "load_scene",
+    "run",
+    "scene_names",
+]
+
+_HOMES = {"Result": "result", "Scene": "scene", "load_scene": "scene", "run": "runner", "scene_names": "scene"}
+
+
+def __getattr__(name: str) -> Any:
+    """Load the rooms behind the public names only when they are used: start-up counts."""
+    if name not in _HOMES:
+        raise AttributeError(f"module 'gearsim' has no attribute {name!r}")
+    value = getattr(import_module(f"gearsim.{_HOMES[name]}"), name)
+    globals()[name] = value
+    return value

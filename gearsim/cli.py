@@ -100,7 +100,7 @@ def _run(options: argparse.Namespace) -> int:
     from gearsim.output.files import staged
     from gearsim.output.screen import ScreenProgress, print_result
     from gearsim.output.write import write_result
-    from gearsim.run import run
+    from gearsim.runner import run
 
     out = options.out or Path("runs") / scene.name
     with staged(out) as stage, ScreenProgress() as progress:
@@ -135,7 +135,7 @@ def _new(options: argparse.Namespace) -> int:
     target = Path(f"{options.name}.toml")
     if options.like not in scene_names():
         raise InputError(f"--like {options.like}: no such built-in scene; there are {', '.join(scene_names())}")
-    text = scene_text(options.like)[0].replace(f'name = "{options.like}"', f'name = "{options.name}"')
+    text = scene_text(options.like)[0].replace(f'name = "{options.like}"', f'name = "{target.stem}"')
     try:
         with target.open("x", encoding="utf-8") as file:
             file.write(text)

@@ -187,7 +187,7 @@ class Scene(_Table):
 def scene_names() -> dict[str, str]:
     """Built-in scenes and their one-line summaries."""
     found = {}
-    for entry in sorted(files("gearsim.scenes").iterdir(), key=lambda e: e.name):
+    for entry in sorted(files("gearsim.scenes").iterdir(), key=lambda e: e.name.removesuffix(".toml")):
         if entry.name.endswith(".toml"):
             header = tomllib.loads(entry.read_text(encoding="utf-8"))["scene"]
             found[entry.name.removesuffix(".toml")] = header["summary"]

@@ -8,12 +8,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from gearsim.cutters.profile import Profile
-from gearsim.envelope import EnvelopeRoad, envelope_points
+from gearsim.envelope import envelope_points
 from gearsim.envelope.candidates import Kind
 from gearsim.metrology.bevel import FlankResult
 from gearsim.metrology.deviation import Crossing
-from gearsim.motion.sources import MotionSource
 from gearsim.output.exr import SIGN, UNITS
 from gearsim.result import Result
 
@@ -37,8 +35,8 @@ def _columns(result: Result, flank: FlankResult) -> dict[str, NDArray[Any]]:
     grid, n = flank.grid, flank.grid.phi.size
     row, column = np.indices(grid.shape)
     curvature = grid.patch.jet(grid.phi.ravel(), grid.v.ravel()).curvature()
-    road, source = flank.gap_cl.road, result.own_sources[flank.side]
-    k1, k2 = machined_curvature(road, source, result.cutter)
+    road = flank.gap_cl.road
+    k1, k2 = _machined_curvature(result, flank)
     out: dict[str, NDArray[Any]] = {
         "flank": np.full(n, flank.side),
         "row": row,
@@ -68,12 +66,19 @@ def _columns(result: Result, flank: FlankResult) -> dict[str, NDArray[Any]]:
     return {k: v.ravel() for k, v in out.items()}
 
 
-def machined_curvature(road: EnvelopeRoad, sources: list[MotionSource], cutter: Profile) -> tuple[NDArray, NDArray]:
-    """Principal curvatures [1/mm] of the envelope where the road found that class, nan elsewhere."""
+def _machined_curvature(result: Result, flank: FlankResult) -> tuple[NDArray, NDArray]:
+    """Principal curvatures [1/mm] of the envelope under the finest motion there is, nan off that class.
+
+    CL data have straight tip lines, so their pieces are nearly straight along the face whatever the tooth.
+    """
+    if flank.gap is not None:
+        road, sources = flank.gap.road, [result.theory[flank.side]]
+    else:
+        road, sources = flank.gap_cl.road, result.own_sources[flank.side]
     k1, k2 = np.full(road.kind.shape, np.nan), np.full(road.kind.shape, np.nan)
     for path, source in enumerate(sources):
         on = (road.kind == Kind.ENVELOPE) & (road.path == path)
-        at = envelope_points(source, cutter, road.piece[on], road.t[on], road.element[on], road.s[on], road.branch[on])
-        curvature = at.curvature()
+        where = (c[on] for c in (road.piece, road.t, road.element, road.s, road.branch))
+        curvature = envelope_points(source, result.cutter, *where).curvature()
         k1[on], k2[on] = curvature.k1, curvature.k2
     return k1, k2

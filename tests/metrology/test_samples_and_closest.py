@@ -1,0 +1,61 @@
+import numpy as np
+import pytest
+
+from gearsim.metrology.closest import signed_distance
+from gearsim.metrology.samples import profile_rays, sample_grid
+
+
+def test_the_inspection_grid_keeps_its_margins(tooth):
+    blank = tooth.blank
+    grid = sample_grid(tooth.flank("convex"), 5, 9, 0.1)
+    assert grid.shape == (5, 9)
+    cone, _ = blank.cone_height(grid.point)
+    expected = blank.toe + blank.face_width * np.linspace(0.1, 0.9, 9)
+    assert np.allclose(cone, np.broadcast_to(expected, (5, 9)), atol=1e-11)
+    assert np.allclose(cone[2, 4], blank.mean)
+
+
+def test_windows_are_half_the_slot_and_half_the_tooth(tooth):
+    """Across the slot at one height, walking both windows from either wall fills one pitch."""
+    for side in ("convex", "concave"):
+        grid = sample_grid(tooth.flank(side), 5, 9)
+        radius = np.hypot(grid.point[..., 0], grid.point[..., 1])
+        normal_pitch = 2.0 * np.pi * radius / tooth.blank.teeth * np.cos(np.radians(32.0))
+        mean = 4  # the column where the spiral angle is 32 degrees
+        assert np.allclose(2.0 * (grid.inward + grid.outward)[:, mean], normal_pitch[:, mean], rtol=0.02)
+        assert grid.inward.min() > 0.5
+        assert np.allclose(sample_grid(tooth.flank(side), 5, 9, window=2.0).inward, 2.0 * grid.inward)
+
+
+def test_rays_run_along_the_normals_row_by_row(tooth):
+    grid = sample_grid(tooth.flank("concave"), 3, 4)
+    rays = grid.rays()
+    assert len(rays) == 12
+    assert np.array_equal(rays.origin[5], grid.point[1, 1])
+    assert np.array_equal(rays.direction[5], grid.normal[1, 1])
+    assert np.array_equal(rays.start[5], -grid.inward[1, 1])
+
+
+def test_profile_points_lie_in_the_mean_plane_at_their_heights(tooth):
+    patch = tooth.flank("convex")
+    normal, in_plane = profile_rays(patch, np.array([0.0, 0.5, -3.0]), 4.366)
+    spine = tooth.spine(np.zeros(1), 0)
+    q = normal.origin - spine.origin.value[0]
+    assert np.allclose(q @ spine.x.value[0], 0.0, atol=1e-12)
+    assert np.allclose(q @ spine.z.value[0], [4.366, 4.866, 1.366])
+    assert np.allclose(in_plane.direction @ spine.x.value[0], 0.0, atol=1e-12)
+    assert np.array_equal(normal.origin, in_plane.origin)
+
+
+@pytest.mark.parametrize("name", ["convex", "concave fillet", "bottom"])
+def test_signed_distance_finds_the_offset_point(tooth, rng, name):
+    patch = next(p for p in tooth.patches if p.name == name)
+    grid = sample_grid(patch, 15, 61)
+    phi, v = patch.locate(rng.uniform(0.1, 0.9, 200), rng.uniform(0.1, 0.9, 200))
+    jet = patch.jet(phi, v)
+    offset = rng.uniform(-0.3, 0.3, 200)
+    distance, found_phi, found_v = signed_distance(grid, jet.r + offset[:, None] * jet.normal)
+    assert np.allclose(distance, offset, atol=1e-11)
+    assert np.allclose(found_phi, phi, atol=1e-9)
+    assert np.allclose(found_v, v, atol=1e-9)
+    assert np.isnan(signed_distance(grid, np.array([[500.0, 0.0, 0.0]]))[0][0])

@@ -1,0 +1,156 @@
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+
+import numpy as np
+import pytest
+
+from gearsim.errors import InputError
+from gearsim.output.files import staged
+from gearsim.output.report import PICTURES
+
+FILES = {
+    "report.json", "report.md", "report.html", "deviation.exr", "deviation.png", "profile.png", "tooth.vtp",
+    "samples.parquet", "toolpath.cl", "slot.png", "blanks.png", "toolpaths.png", "envelopes.png",
+}  # fmt: skip
+
+
+def test_a_run_leaves_exactly_these_files(folder):
+    assert {f.name for f in folder.iterdir()} == FILES
+    assert set(PICTURES) <= FILES
+
+
+def test_report_json_holds_the_promised_keys(folder):
+    report = json.loads((folder / "report.json").read_text())
+    assert report["schema_version"] == 1
+    assert report["verdict"] == "pass"
+    assert report["device"] == "cpu"
+    assert report["status"] == "OK"
+    assert set(report["timings_s"]) >= {"compile", "plan", "kernel", "total"}
+    assert all(report["counts"][k] > 0 for k in ("rays", "segments", "pairs"))
+    for side in ("convex", "concave"):
+        flank = report["flanks"][side]
+        for key in ("own_pass", "own_pass_cl", "all_passes"):
+            assert set(flank[key]["deviation_um"]) >= {"min", "max", "mean", "rms"}
+        for key in ("envelope_gap_um", "envelope_gap_cl_um"):
+            assert flank[key]["max"] <= 0.001
+            assert (flank[key]["valid"], flank[key]["excluded"]) == (85, 0)
+        assert np.shape(flank["grid_um"]) == (5, 9)
+        assert list(flank["profile_um"]) == [f"L{i}" for i in range(7)]
+        assert abs(flank["profile_um"]["L0"]) < 1e-5
+        assert len(flank["profile_inplane_um"]) == 7
+        assert flank["published_profile_um"]["L6"] < 0.0
+        assert flank["convergence"]["points"] == [9, 17]
+        assert flank["convergence"]["order"] == pytest.approx(2.0, abs=0.1)
+    for finding in report["findings"]:
+        assert {"kind", "depth_um", "place_mm"} <= set(finding)
+
+
+def test_exr_has_a_part_per_flank_with_named_channels_and_headers(folder, result):
+    import OpenEXR
+
+    with OpenEXR.File(str(folder / "deviation.exr"), separate_channels=True) as file:
+        assert [p.name() for p in file.parts] == ["convex", "concave"]
+        for part in file.parts:
+            channels, header = part.channels, part.header
+            flank = result.flanks[part.name()]
+            assert set(channels) == {
+                "deviation.um", "P.X", "P.Y", "P.Z", "N.X", "N.Y", "N.Z", "segment.id", "envelope_gap.um", "valid",
+            }  # fmt: skip
+            assert all(c.pixels.dtype == np.float32 for c in channels.values())
+            assert np.allclose(channels["deviation.um"].pixels, 1e3 * flank.all_passes.value, rtol=1e-6)
+            assert np.allclose(channels["P.Y"].pixels, flank.grid.point[..., 1], rtol=1e-6)
+            assert header["gearsim.scene"] == "spiral-bevel-flank"
+            assert "positive = material left" in header["gearsim.sign"]
+            assert header["gearsim.units"].startswith("mm")
+            assert header["gearsim.version"]
+
+
+def test_parquet_holds_every_sample_with_its_metadata(folder, result):
+    import pyarrow.parquet as pq
+
+    table = pq.read_table(folder / "samples.parquet")
+    assert table.num_rows == 2 * 5 * 17
+    notes = {k.decode(): v.decode() for k, v in table.schema.metadata.items() if k.startswith(b"gearsim.")}
+    assert notes["gearsim.scene"] == "spiral-bevel-flank"
+    assert "positive" in notes["gearsim.sign"]
+    columns = table.to_pydict()
+    convex = np.array(columns["flank"]) == "convex"
+    um = np.array(columns["all_passes_um"])[convex]
+    assert np.allclose(um, 1e3 * result.flanks["convex"].all_passes.value.ravel())
+    envelope = np.array(columns["envelope_class"]) == "envelope"
+    intended, machined = (np.array(columns[f"{w}_k2_per_mm"]) for w in ("intended", "machined"))
+    assert np.allclose(intended[envelope & convex], machined[envelope & convex], atol=2e-3)
+
+
+def test_machined_surfaces_open_in_vtk(folder, result):
+    import pyvista as pv
+
+    mesh = pv.read(folder / "tooth.vtp")
+    assert mesh.n_points == 2 * 85 + 3 * 3 * 17
+    assert {"deviation_um", "crossing", "segment", "patch", "intended_normal"} <= set(mesh.point_data)
+    moved = np.sum((mesh.points - mesh["intended_point_mm"]) * mesh["intended_normal"], axis=1)
+    assert np.allclose(1e3 * moved, mesh["deviation_um"], atol=0.05)
+
+
+def test_html_is_one_file_with_its_pictures_inside(folder):
+    html = (folder / "report.html").read_text()
+    assert html.count("data:image/png;base64,") == len(PICTURES)
+    assert 'src="slot.png"' not in html
+    assert "<table>" in html
+    text = (folder / "report.md").read_text()
+    for word in ("positive is material left", "Zhou 2015", "Findings", "best rotated", "![", "order"):
+        assert word in text
+
+
+def test_pictures_are_not_blank(folder):
+    from matplotlib.image import imread
+
+    for name in PICTURES:
+        picture = imread(folder / name)[..., :3]
+        assert picture.shape[0] > 400
+        assert picture.std() > 0.02
+
+
+def test_the_program_written_is_the_program_simulated(folder, result):
+    from gearsim.programs.cldata import parse_cl
+
+    text = (folder / "toolpath.cl").read_text()
+    assert text == result.cl_text
+    names = [p.name for p in parse_cl(text).paths]
+    assert names == ["rapid", "convex", "rapid", "concave", "rapid"]
+
+
+def test_an_error_leaves_nothing_and_an_older_run_whole(tmp_path):
+    (tmp_path / "report.json").write_text("old")
+
+    def fail_half_way():
+        with staged(tmp_path) as stage:
+            (stage / "report.md").write_text("new")
+            raise RuntimeError
+
+    with pytest.raises(RuntimeError):
+        fail_half_way()
+    assert [f.name for f in tmp_path.iterdir()] == ["report.json"]
+
+
+def test_an_unwritable_folder_is_named(tmp_path):
+    blocked = tmp_path / "file"
+    blocked.write_text("")
+    with pytest.raises(InputError, match=r"cannot write into output folder .*file.*--out"), staged(blocked / "out"):
+        pass
+
+
+def test_killing_a_run_half_way_leaves_no_file_that_looks_finished(tmp_path):
+    out = tmp_path / "out"
+    command = [sys.executable, "-m", "gearsim.cli", "run", "spiral-bevel-flank", "--out", str(out)]
+    process = subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+    deadline = time.monotonic() + 60.0
+    while not list(out.glob(".unfinished-*/*")) and process.poll() is None and time.monotonic() < deadline:
+        time.sleep(0.02)
+    os.kill(process.pid, signal.SIGKILL)
+    process.wait()
+    assert [f.name for f in out.iterdir() if not f.name.startswith(".unfinished-")] == []
