@@ -23,7 +23,7 @@ from gearsim.metrology.bevel import (
     measure_root,
 )
 from gearsim.metrology.dexel_check import measure_dexels
-from gearsim.metrology.findings import Finding, flank_findings, root_findings
+from gearsim.metrology.findings import Finding, flank_findings, rapid_findings, root_findings
 from gearsim.metrology.machine import MeasuringMachine
 from gearsim.metrology.roads import LIMIT_UM
 from gearsim.metrology.samples import SampleGrid, sample_grid
@@ -87,9 +87,8 @@ def _measure(job: Job, machine: MeasuringMachine, device: str) -> Result:
     """Measure everything the report holds."""
     metrology = job.scene.metrology
     flanks = {side: _measure_side(job, machine, side) for side in SIDES}
-    root = measure_root(
-        machine, job.tooth, job.program, max(3, metrology.rows // 2), metrology.columns, metrology.window
-    )
+    rows = max(3, metrology.rows // 2)
+    root = measure_root(machine, job.tooth, job.program, rows, metrology.columns, metrology.margin, metrology.window)
     pitch = job.scene.simulation.dexel_pitch_mm
     grids = [flank.grid for flank in flanks.values()]
     dexels = measure_dexels(machine, job.tooth, job.program, pitch, grids)
@@ -97,7 +96,8 @@ def _measure(job: Job, machine: MeasuringMachine, device: str) -> Result:
     rapid = np.array([name == RAPID for name in path_of_segment])
     findings: list[Finding] = []
     for flank in flanks.values():
-        findings += flank_findings(flank, metrology.tolerance_um, rapid)
+        findings += flank_findings(flank, metrology.tolerance_um)
+    findings += rapid_findings(dexels, grids[0], rapid)
     findings += root_findings(list(root.values()), metrology.root_tolerance_um)
     verdict, status = _verdict(list(flanks.values()), findings)
     return Result(
@@ -128,7 +128,7 @@ def _measure(job: Job, machine: MeasuringMachine, device: str) -> Result:
 
 def _measure_side(job: Job, machine: MeasuringMachine, side: Side) -> FlankResult:
     metrology, patch = job.scene.metrology, job.tooth.flank(side)
-    grid = sample_grid(patch, metrology.rows, metrology.columns, window=metrology.window)
+    grid = sample_grid(patch, metrology.rows, metrology.columns, metrology.margin, metrology.window)
     inspection = sample_grid(
         patch, metrology.inspection_rows, metrology.inspection_columns, metrology.inspection_margin,
         metrology.window,
@@ -162,7 +162,7 @@ def _convergence(job: Job, machine: MeasuringMachine, side: Side, grid: SampleGr
 
 def _verdict(flanks: list[FlankResult], findings: list[Finding]) -> tuple[Verdict, str]:
     """Pass or fail by the findings; unchecked where the two roads do not confirm each other."""
-    gaps = [g for flank in flanks for g in (flank.gap, flank.gap_cl) if g is not None]
+    gaps = [g for flank in flanks for g in (flank.gap, flank.gap_cl, *flank.inspection_gaps) if g is not None]
     if not all(g.trusted for g in gaps):
         worst = max(g.max_um for g in gaps)
         lost, apart = sum(g.excluded for g in gaps), sum(g.disagree for g in gaps)

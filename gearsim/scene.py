@@ -144,9 +144,10 @@ class MetrologyTable(_Table):
     root_tolerance_um: Length
     rows: Count = 21
     columns: Count = 257
+    margin: float = Field(default=0.01, gt=0.0, lt=0.5)
     inspection_rows: Count = 5
     inspection_columns: Count = 9
-    inspection_margin: float = Field(default=0.1, ge=0.0, lt=0.5)
+    inspection_margin: float = Field(default=0.1, gt=0.0, lt=0.5)
     window: float = Field(default=1.0, gt=0.0, le=4.0)
     profile_offsets_mm: tuple[float, ...] = (0.0, 0.5, -0.5, 1.5, -1.5, 3.0, -3.0)
     convergence: tuple[Count, ...] = (9, 17, 33, 65, 129, 257)

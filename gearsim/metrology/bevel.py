@@ -66,7 +66,8 @@ class FlankResult:
     """One flank measured on the dense grid, the inspector's grid and the mean profile.
 
     ``own`` (theoretical motion), ``own_cl``, ``all_passes`` (the program) and ``others`` are on the dense
-    grid; ``topography`` on the inspector's, by the same names; profiles [um] of the theoretical motion
+    grid, as are the gaps of the two roads; ``inspection_gaps`` and ``topography`` are on the inspector's, the
+    latter by the motions' names; profiles [um] of the theoretical motion
     (of the CL data where there is none) go by L0, L1, ...
     """
 
@@ -79,6 +80,7 @@ class FlankResult:
     others: Deviation | None
     gap: RoadGap | None
     gap_cl: RoadGap
+    inspection_gaps: tuple[RoadGap, ...]
     topography: dict[str, Topography]
     profile_um: dict[str, float]
     profile_inplane_um: dict[str, float]
@@ -110,6 +112,7 @@ def measure_flank(machine: MeasuringMachine, plan: FlankPlan, convergence: Conve
         maps["own_pass"] = finest_coarse
     names = [f"L{i}" for i in range(len(plan.profile_offsets))]
     cutter = machine.cutter
+    on_inspection = [(plan.cl, cl_coarse)] + ([(plan.theory, finest_coarse)] if plan.theory else [])
     return FlankResult(
         side=plan.side,
         grid=grid,
@@ -120,6 +123,7 @@ def measure_flank(machine: MeasuringMachine, plan: FlankPlan, convergence: Conve
         others=others,
         gap=compare_roads(grid, cutter, plan.theory.sources, finest_dense) if plan.theory else None,
         gap_cl=compare_roads(grid, cutter, plan.cl.sources, cl_dense),
+        inspection_gaps=tuple(compare_roads(inspection, cutter, m.sources, d) for m, d in on_inspection),
         topography={k: topography(inspection, 1e3 * d.value) for k, d in maps.items()},
         profile_um=dict(zip(names, (1e3 * normal.value).tolist(), strict=True)),
         profile_inplane_um=dict(zip(names, (1e3 * in_plane.value).tolist(), strict=True)),
@@ -145,9 +149,9 @@ def measure_convergence(
 
 def measure_root(
     machine: MeasuringMachine, tooth: RuledBevelTooth, program: SegmentTable, rows: int, columns: int,
-    window: float,
+    margin: float, window: float,
 ) -> dict[str, PatchResult]:  # fmt: skip
     """Both fillets and the bottom land after all passes, by name."""
-    grids = [sample_grid(p, rows, columns, window=window) for p in tooth.patches if p.part != "flank"]
+    grids = [sample_grid(p, rows, columns, margin, window) for p in tooth.patches if p.part != "flank"]
     deviations = _on_grids(machine, program, *grids)
     return {g.patch.name: PatchResult(g, d) for g, d in zip(grids, deviations, strict=True)}

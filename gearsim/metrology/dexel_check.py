@@ -7,11 +7,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from gearsim.geometry.rays import RayBundle
 from gearsim.geometry.rigid import frame
 from gearsim.metrology.closest import signed_distance
 from gearsim.metrology.machine import MeasuringMachine
-from gearsim.metrology.samples import SampleGrid
+from gearsim.metrology.samples import SampleGrid, window_rays
 from gearsim.motion.segments import SegmentTable
 from gearsim.simulation.dexels import DexelBox, DexelStock, machined_stock
 from gearsim.surfaces.ruled_bevel import RuledBevelTooth
@@ -76,8 +75,6 @@ def _foot_gaps(machine: MeasuringMachine, grid: SampleGrid, points: NDArray, pro
     near = near[:: max(1, len(near) // _MOST)]
     if not len(near):
         return np.empty(0)
-    jet = grid.patch.jet(phi[near], v[near])
-    inward, outward = grid.patch.windows(phi[near], v[near])
-    rays = RayBundle(jet.r, jet.normal, -inward, outward)
+    rays = window_rays(grid.patch, phi[near], v[near], grid.patch.jet(phi[near], v[near]).normal)
     along_normal = machine.measure([rays], program)[0].value
     return distance[near] - along_normal

@@ -10,7 +10,9 @@ from numpy.typing import NDArray
 
 from gearsim.metrology.bevel import FlankResult, PatchResult
 from gearsim.metrology.deviation import Crossing, Deviation
+from gearsim.metrology.dexel_check import DexelResult
 from gearsim.metrology.samples import SampleGrid
+from gearsim.surfaces.blank import BevelBlank
 
 
 @dataclass(frozen=True)
@@ -30,25 +32,29 @@ class Finding:
     text: str
 
 
-def flank_findings(flank: FlankResult, tolerance_um: float, rapid: NDArray) -> list[Finding]:
-    """Cross-cuts by other passes, rapid moves through the tooth, and deviations out of tolerance.
-
-    ``rapid`` says of every segment of the program whether it is a rapid move.
-    """
+def flank_findings(flank: FlankResult, tolerance_um: float) -> list[Finding]:
+    """Cross-cuts by other passes, and what is out of tolerance after all passes."""
     found = []
     if flank.others is not None:
         worst = _deepest(flank.grid, flank.others)
         if worst is not None:
             text = f"another pass cuts the {flank.side} flank beyond its intended surface"
             found.append(_finding("cross_cut", flank.grid, *worst, tolerance_um, text))
-    hit = flank.all_passes.segment
-    by_rapid = (hit >= 0) & rapid[np.maximum(hit, 0)] if len(rapid) else np.zeros(hit.shape, dtype=bool)
-    if by_rapid.any():
-        i = int(np.flatnonzero(by_rapid.ravel())[0])
-        text = f"a rapid move cuts the {flank.side} flank"
-        found.append(_finding("rapid_cut", flank.grid, i, _depth(flank.all_passes, flank.grid, i), 0.0, text))
-    found += _out_of_tolerance(flank, tolerance_um)
-    return found
+    return found + _out_of_tolerance(flank, tolerance_um)
+
+
+def rapid_findings(dexels: DexelResult, grid: SampleGrid, rapid: NDArray) -> list[Finding]:
+    """The first place where the slot's dexels were cut by a rapid move.
+
+    ``rapid`` says of every segment of the program whether it is one; ``grid`` lends its tooth.
+    """
+    for bundle in dexels.bundles:
+        points, segment = bundle.cut_points()
+        hit = np.flatnonzero(rapid[segment])
+        if len(hit):
+            text = f"rapid moves cut the blank ({len(hit)} dexel ends)"
+            return [_place("rapid_cut", "blank", grid.patch.tooth.blank, points[hit[0]], 0.0, True, text)]
+    return []
 
 
 def root_findings(patches: Sequence[PatchResult], tolerance_um: float) -> list[Finding]:
@@ -114,9 +120,14 @@ def _where(grid: SampleGrid) -> str:
 
 def _finding(kind: str, grid: SampleGrid, i: int, depth_um: float, tolerance_um: float, text: str) -> Finding:
     point = grid.point.reshape(-1, 3)[i]
-    blank = grid.patch.tooth.blank
+    fails = abs(depth_um) > tolerance_um
+    return _place(kind, grid.patch.name, grid.patch.tooth.blank, point, depth_um, fails, text)
+
+
+def _place(
+    kind: str, patch: str, blank: BevelBlank, point: NDArray, depth_um: float, fails: bool, text: str
+) -> Finding:
     cone, height = blank.cone_height(point)
     x, y, z = (float(c) for c in point)
     above_root = float(height + blank.dedendum_at(cone))
-    fails = abs(depth_um) > tolerance_um
-    return Finding(kind, grid.patch.name, depth_um, (x, y, z), float(cone), above_root, fails, text)
+    return Finding(kind, patch, depth_um, (x, y, z), float(cone), above_root, fails, text)

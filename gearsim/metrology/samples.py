@@ -18,7 +18,7 @@ class SampleGrid:
     ``length`` (columns,) and ``height`` (rows,) are the fractions of ToothPatch.locate; ``phi``, ``v``
     (rows, columns) the surface parameters; ``point`` [mm] and ``normal`` (out of the material), shape
     (rows, columns, 3); ``inward``, ``outward`` [mm], shape (rows, columns), the measuring window: half
-    the tooth's thickness and half the slot's width there.
+    the tooth's thickness, and half the slot's width or what the blank leaves of it.
     """
 
     patch: ToothPatch
@@ -52,12 +52,26 @@ def sample_grid(patch: ToothPatch, rows: int, columns: int, margin: float = 0.0,
     length = np.linspace(margin, 1.0 - margin, columns)
     phi, v = patch.locate(*np.broadcast_arrays(length[None, :], height[:, None]))
     jet = patch.jet(phi.ravel(), v.ravel())
-    inward, outward = patch.windows(phi.ravel(), v.ravel())
+    rays = window_rays(patch, phi.ravel(), v.ravel(), jet.normal, window)
     shape = (rows, columns)
     return SampleGrid(
         patch, length, height, phi, v, jet.r.reshape(*shape, 3), jet.normal.reshape(*shape, 3),
-        window * inward.reshape(shape), window * outward.reshape(shape),
+        -rays.start.reshape(shape), rays.end.reshape(shape),
     )  # fmt: skip
+
+
+def window_rays(patch: ToothPatch, phi: NDArray, v: NDArray, direction: NDArray, window: float = 1.0) -> RayBundle:
+    """Rays from points of a patch, shape (n,) parameters, with their measuring windows.
+
+    Inward half the tooth, outward half the slot, both times ``window``, but not past the blank's surface:
+    beyond it there was never any material to leave.
+    """
+    origin = patch.jet(phi, v).r
+    inward, outward = (window * w for w in patch.windows(phi, v))
+    ray, start, end = patch.tooth.blank.stock.chords(origin, direction)
+    holds = (start <= 0.0) & (end > 0.0)
+    outward[ray[holds]] = np.minimum(outward[ray[holds]], end[holds])
+    return RayBundle(origin, direction, -inward, outward)
 
 
 def profile_rays(patch: ToothPatch, offsets: NDArray, contact_height: float) -> tuple[RayBundle, RayBundle]:
@@ -69,11 +83,7 @@ def profile_rays(patch: ToothPatch, offsets: NDArray, contact_height: float) -> 
     h = contact_height + np.asarray(offsets, dtype=float)
     phi = np.zeros(len(h))
     jet = patch.jet(phi, h)
-    inward, outward = patch.windows(phi, h)
     across = patch.tooth.spine(phi, 0).x.value
     in_plane = jet.normal - np.einsum("ij,ij->i", jet.normal, across)[:, None] * across
     in_plane /= np.linalg.norm(in_plane, axis=1, keepdims=True)
-    return (
-        RayBundle(jet.r, jet.normal, -inward, outward),
-        RayBundle(jet.r, in_plane, -inward, outward),
-    )
+    return window_rays(patch, phi, h, jet.normal), window_rays(patch, phi, h, in_plane)

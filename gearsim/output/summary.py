@@ -74,6 +74,7 @@ def _flank(flank: FlankResult, reference: dict[str, Any] | None) -> dict[str, An
     out |= {
         "envelope_gap_um": _gap(flank.grid, flank.gap),
         "envelope_gap_cl_um": _gap(flank.grid, flank.gap_cl),
+        "inspection_gap_um": {"max": max(g.max_um for g in flank.inspection_gaps)},
         "convergence": _convergence(flank.convergence),
         "grid_um": _numbers(flank.topography["all_passes"].as_cut_um),
         "topography": {name: _topography(t) for name, t in flank.topography.items()},

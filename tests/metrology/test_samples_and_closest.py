@@ -27,6 +27,16 @@ def test_windows_are_half_the_slot_and_half_the_tooth(tooth):
         assert np.allclose(sample_grid(tooth.flank(side), 5, 9, window=2.0).inward, 2.0 * grid.inward)
 
 
+def test_windows_end_at_the_blank(tooth):
+    """Near the tip a normal soon leaves the face cone; at its window's end it is just outside the stock."""
+    grid = sample_grid(tooth.flank("convex"), 9, 9, 0.01)
+    tip = grid.rays().part(slice(-9, None))
+    assert tip.end.max() < 0.5
+    for step, inside in ((-1e-6, True), (1e-6, False)):
+        ends = tip.origin + (tip.end + step)[:, None] * tip.direction
+        assert np.all(tooth.blank.stock.contains(ends) == inside)
+
+
 def test_rays_run_along_the_normals_row_by_row(tooth):
     grid = sample_grid(tooth.flank("concave"), 3, 4)
     rays = grid.rays()

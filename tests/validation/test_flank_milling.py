@@ -30,7 +30,7 @@ PUBLISHED = (1.0, 1.5, radians(15.0), 25.0)
 def own_deviation(tooth, side, cutter, device="cpu", points=None, shape=(7, 21), tolerance=1e-9):
     path = FlankPath(tooth, side, cutter, 8.0)
     source = path.motion if points is None else path.cl_motion(points)
-    grid = sample_grid(tooth.flank(side), *shape)
+    grid = sample_grid(tooth.flank(side), *shape, margin=0.01)
     removed = cut(
         grid.rays(),
         compile_motion(source, cutter.reach, min(tolerance, 1e-9)),
