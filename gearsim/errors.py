@@ -1,8 +1,9 @@
-"""Exceptions, and what the status bits of a kernel mean to a person."""
+"""Exceptions, input files that cannot be read, and what the status bits of a kernel mean to a person."""
 
 from __future__ import annotations
 
 from enum import IntFlag
+from pathlib import Path
 
 
 class GearsimError(Exception):
@@ -13,6 +14,16 @@ class GearsimError(Exception):
 
 class InputError(GearsimError):
     """The input cannot be used: it names the file, line or field, what is wrong, what would be right."""
+
+
+def read_input(file: Path, what: str) -> str:
+    """The text of an input file; ``what`` it should be. Raises InputError where it cannot be read."""
+    try:
+        return file.read_text(encoding="utf-8")
+    except UnicodeDecodeError as error:
+        raise InputError(f"cannot read {what} {file}: it is not UTF-8 text (byte {error.start})") from error
+    except OSError as error:
+        raise InputError(f"cannot read {what} {file}: {error.strerror}") from error
 
 
 class NumericalError(GearsimError):

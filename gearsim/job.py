@@ -8,12 +8,12 @@ from pathlib import Path
 import numpy as np
 
 from gearsim.cutters.profile import Profile
-from gearsim.errors import InputError
+from gearsim.errors import InputError, read_input
 from gearsim.metrology.bevel import FlankMotion
 from gearsim.metrology.dexel_check import slot_box
 from gearsim.motion.segments import SegmentTable, compile_motion, join
 from gearsim.motion.sources import CLMotion, MotionSource
-from gearsim.programs.cldata import CLPath, CLProgram, assemble, format_cl, parse_cl, read_cl
+from gearsim.programs.cldata import CLPath, CLProgram, assemble, format_cl, parse_cl
 from gearsim.scene import Scene
 from gearsim.surfaces.ruled_bevel import SIDES, RuledBevelTooth, Side
 from gearsim.toolpaths.flank import FlankPath
@@ -52,6 +52,12 @@ class Job:
         """A motion of this job's cutter as a table, to the scene's tolerance."""
         return compile_motion(source, self.cutter.reach, self.scene.simulation.compile_tolerance_mm)
 
+    def envelope_samples(self) -> int:
+        """Samples the envelope road will solve for."""
+        m = self.scene.metrology
+        motions = 2 if self.theory else 1
+        return 2 * motions * (m.rows * m.columns + m.inspection_rows * m.inspection_columns)
+
     def ray_count(self) -> int:
         """Rays the run will cut, the tri-dexel's check (a few thousand) left out."""
         m = self.scene.metrology
@@ -69,12 +75,12 @@ def estimate(job: Job) -> dict[str, float]:
     """Rays, segments, memory [MB] and time [s] of a run, from figures measured on two common CPU cores."""
     rays, segments = job.ray_count(), len(job.program)
     slots = job.scene.simulation.interval_slots
-    samples = 2 * job.scene.metrology.rows * job.scene.metrology.columns
+    samples = job.envelope_samples()
     return {
         "rays": rays,
         "segments": segments,
-        "memory_mb": 450.0 + 1e-6 * (min(rays, 1 << 20) * (24 * slots + 80) + 620 * segments + 4000 * samples),
-        "seconds": 8.0 + rays / 150e3 + (3.0 if job.theory else 1.5) * samples * (3e-4 + 1e-6 * segments),
+        "memory_mb": 600.0 + 1e-6 * (min(rays, 1 << 20) * (24 * slots + 80) + 620 * segments + 2000 * samples),
+        "seconds": 6.0 + rays / 150e3 + samples * (2.2e-4 + 5e-7 * segments),
     }
 
 
@@ -87,7 +93,7 @@ def plan(scene: Scene, folder: Path) -> Job:
     table = scene.toolpath
     planners: dict[Side, FlankPath] = {}
     if table.file is not None:
-        text = read_cl(folder / table.file)
+        text = read_input(folder / table.file, "CL file")
         program = parse_cl(text, str(folder / table.file))
         _check_cutter(program, cutter, table.file)
     else:

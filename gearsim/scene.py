@@ -14,7 +14,7 @@ from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_valida
 
 from gearsim.cutters.catalogue import apt, conical
 from gearsim.cutters.profile import Profile
-from gearsim.errors import InputError
+from gearsim.errors import InputError, read_input
 from gearsim.surfaces.blank import BevelBlank, outer_cone_distance, pitch_angle
 from gearsim.surfaces.ruled_bevel import RuledBevelTooth
 
@@ -205,10 +205,7 @@ def scene_text(name_or_path: str) -> tuple[str, str, Path]:
             Path(),
         )
     if path.suffix == ".toml" or path.is_file():
-        try:
-            return path.read_text(encoding="utf-8"), str(path), path.parent
-        except (OSError, UnicodeDecodeError) as error:
-            raise InputError(f"cannot read scene {path}: {error}") from error
+        return read_input(path, "scene"), str(path), path.parent
     near = get_close_matches(name_or_path, scene_names(), n=1, cutoff=0.4)
     hint = f"; did you mean {near[0]!r}?" if near else "."
     raise InputError(

@@ -1,3 +1,4 @@
+import json
 import subprocess
 import sys
 
@@ -96,9 +97,10 @@ def own_scene(tmp_path):
     scene, _ = load_scene("spiral-bevel-flank")
     tooth, cutter = scene.tooth(), scene.tool()
 
-    def make(change=lambda text: text):
+    def make(change=lambda text: text, share=1.0, retract=15.0):
         motions = [(side, FlankPath(tooth, side, cutter, 6.0).cl_motion(33)) for side in ("convex", "concave")]
-        program = assemble([CLPath(side, m.tips, m.axes) for side, m in motions], 15.0, cutter)
+        n = round(share * len(motions[0][1].tips))
+        program = assemble([CLPath(side, m.tips[:n], m.axes[:n]) for side, m in motions], retract, cutter)
         (tmp_path / "my.cl").write_text(change(format_cl(program, "mine", 600.0, 9)))
         assert main(["new", str(tmp_path / "mine")]) == 0
         text = (tmp_path / "mine.toml").read_text()
@@ -115,8 +117,6 @@ QUICK_FILE = [a for s in SMALL[:4] for a in ("--set", s)]
 
 
 def test_a_users_cl_file_is_cut_and_measured(own_scene, tmp_path, capsys):
-    import json
-
     assert run("run", own_scene(), "--out", tmp_path / "out", *QUICK_FILE, "--set", "metrology.tolerance_um=20") == 0
     report = json.loads((tmp_path / "out" / "report.json").read_text())
     flank = report["flanks"]["concave"]
@@ -130,6 +130,25 @@ def test_a_users_cl_file_is_cut_and_measured(own_scene, tmp_path, capsys):
 def test_a_cl_file_without_pass_names_is_one_pass_for_both_flanks(own_scene, tmp_path):
     scene = own_scene(lambda text: text.replace("PPRINT PASS convex", "").replace("PPRINT PASS concave", ""))
     assert run("run", scene, "--out", tmp_path / "out", *QUICK_FILE, "--set", "metrology.tolerance_um=20") == 0
+
+
+def findings(folder):
+    report = json.loads((folder / "report.json").read_text())
+    return report["verdict"], {f["kind"]: f for f in report["findings"]}
+
+
+def test_passes_that_end_half_way_leave_uncut_samples_and_fail(own_scene, tmp_path):
+    assert run("run", own_scene(share=0.5), "--out", tmp_path / "out", *QUICK_FILE) == 1
+    verdict, found = findings(tmp_path / "out")
+    assert verdict == "fail"
+    assert found["uncut"]["fails"]
+    assert found["uncut"]["depth_um"] > 100.0
+
+
+def test_rapid_moves_through_material_are_found(own_scene, tmp_path):
+    assert run("run", own_scene(retract=2.0), "--out", tmp_path / "out", *QUICK_FILE) == 1
+    _, found = findings(tmp_path / "out")
+    assert found["rapid_cut"]["fails"]
 
 
 @pytest.mark.parametrize(

@@ -6,6 +6,6 @@ by a sharp edge of the profile. All are solved for along given rays; what surviv
 """
 
 from gearsim.envelope.machined import EnvelopeRoad, machined_along
-from gearsim.envelope.surface import envelope_grid, envelope_points
+from gearsim.envelope.surface import envelope_grid, envelope_points, prepare_envelope
 
-__all__ = ["EnvelopeRoad", "envelope_grid", "envelope_points", "machined_along"]
+__all__ = ["EnvelopeRoad", "envelope_grid", "envelope_points", "machined_along", "prepare_envelope"]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from time import perf_counter
 from typing import NamedTuple
 
 import numpy as np
@@ -110,6 +111,17 @@ class EnvelopeGrid(NamedTuple):
     exists: NDArray
     point: NDArray
     normal: NDArray
+
+
+def prepare_envelope(device: str = "cpu") -> float:
+    """Compile and load the envelope's kernel ahead of use; seconds taken."""
+    import warp as wp
+
+    from gearsim.kernels import envelope as kernels
+
+    started = perf_counter()
+    wp.load_module(kernels, device=device)
+    return perf_counter() - started
 
 
 def envelope_grid(

@@ -111,7 +111,6 @@ def measure_flank(machine: MeasuringMachine, plan: FlankPlan, convergence: Conve
     if plan.theory:
         maps["own_pass"] = finest_coarse
     names = [f"L{i}" for i in range(len(plan.profile_offsets))]
-    cutter = machine.cutter
     on_inspection = [(plan.cl, cl_coarse)] + ([(plan.theory, finest_coarse)] if plan.theory else [])
     return FlankResult(
         side=plan.side,
@@ -121,14 +120,20 @@ def measure_flank(machine: MeasuringMachine, plan: FlankPlan, convergence: Conve
         own_cl=cl_dense,
         all_passes=all_dense,
         others=others,
-        gap=compare_roads(grid, cutter, plan.theory.sources, finest_dense) if plan.theory else None,
-        gap_cl=compare_roads(grid, cutter, plan.cl.sources, cl_dense),
-        inspection_gaps=tuple(compare_roads(inspection, cutter, m.sources, d) for m, d in on_inspection),
+        gap=_roads(machine, grid, plan.theory, finest_dense) if plan.theory else None,
+        gap_cl=_roads(machine, grid, plan.cl, cl_dense),
+        inspection_gaps=tuple(_roads(machine, inspection, m, d) for m, d in on_inspection),
         topography={k: topography(inspection, 1e3 * d.value) for k, d in maps.items()},
         profile_um=dict(zip(names, (1e3 * normal.value).tolist(), strict=True)),
         profile_inplane_um=dict(zip(names, (1e3 * in_plane.value).tolist(), strict=True)),
         convergence=convergence,
     )
+
+
+def _roads(machine: MeasuringMachine, grid: SampleGrid, motion: FlankMotion, removal: Deviation) -> RoadGap:
+    gap = compare_roads(grid, machine.cutter, motion.sources, removal)
+    machine.progress(removal.value.size)
+    return gap
 
 
 def _on_grids(machine: MeasuringMachine, table: SegmentTable, *grids: SampleGrid) -> list[Deviation]:

@@ -14,17 +14,20 @@ from gearsim.metrology.dexel_check import DexelResult
 from gearsim.metrology.samples import SampleGrid
 from gearsim.surfaces.blank import BevelBlank
 
+_SEEN_MM = 1e-5
+
 
 @dataclass(frozen=True)
 class Finding:
-    """``depth_um`` (negative: cut into the tooth; positive: material left) at ``place_mm``, gear frame.
+    """``depth_um`` (negative: cut into the tooth; positive: material left; None: a collision, whatever its
+    depth) at ``place_mm``, gear frame.
 
     ``fails``: beyond the scene's tolerance.
     """
 
     kind: str
     patch: str
-    depth_um: float
+    depth_um: float | None
     place_mm: tuple[float, float, float]
     cone_distance_mm: float
     height_mm: float
@@ -53,7 +56,7 @@ def rapid_findings(dexels: DexelResult, grid: SampleGrid, rapid: NDArray) -> lis
         hit = np.flatnonzero(rapid[segment])
         if len(hit):
             text = f"rapid moves cut the blank ({len(hit)} dexel ends)"
-            return [_place("rapid_cut", "blank", grid.patch.tooth.blank, points[hit[0]], 0.0, True, text)]
+            return [_place("rapid_cut", "blank", grid.patch.tooth.blank, points[hit[0]], None, True, text)]
     return []
 
 
@@ -94,10 +97,10 @@ def _out_of_tolerance(flank: FlankResult, tolerance_um: float) -> list[Finding]:
 
 
 def _deepest(grid: SampleGrid, deviation: Deviation) -> tuple[int, float] | None:
-    """Index and depth [um] of the deepest overcut, or None where nothing is overcut."""
+    """Index and depth [um] of the deepest overcut, or None where there is none worth telling."""
     depth = np.where(deviation.crossing == Crossing.THROUGH, -grid.inward, np.nan_to_num(deviation.value))
     i = int(np.argmin(depth))
-    return (i, 1e3 * float(depth.ravel()[i])) if depth.ravel()[i] < 0.0 else None
+    return (i, 1e3 * float(depth.ravel()[i])) if depth.ravel()[i] < -_SEEN_MM else None
 
 
 def _height(deviation: Deviation, grid: SampleGrid) -> NDArray:
@@ -125,7 +128,7 @@ def _finding(kind: str, grid: SampleGrid, i: int, depth_um: float, tolerance_um:
 
 
 def _place(
-    kind: str, patch: str, blank: BevelBlank, point: NDArray, depth_um: float, fails: bool, text: str
+    kind: str, patch: str, blank: BevelBlank, point: NDArray, depth_um: float | None, fails: bool, text: str
 ) -> Finding:
     cone, height = blank.cone_height(point)
     x, y, z = (float(c) for c in point)

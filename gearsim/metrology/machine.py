@@ -25,7 +25,7 @@ class MeasuringMachine:
         progress: Callable[[int], None] | None = None,
     ):  # fmt: skip
         self.cutter, self.device, self.tolerance, self.slots = cutter, device, tolerance, slots
-        self.progress = progress
+        self.progress = progress or (lambda n: None)
         self.rays = self.candidates = self.pairs = 0
         self.kernel_s = 0.0
 

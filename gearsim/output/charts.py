@@ -67,8 +67,9 @@ def _heat_map(figure: Any, axis: Axes, flank: FlankResult, deviation: Deviation,
     limit = max(float(np.nanmax(np.abs(um))), 1e-6)
     image = axis.pcolormesh(length, flank.grid.height, um, cmap="RdBu_r", vmin=-limit, vmax=limit, shading="gouraud")
     smooth = gaussian_filter1d(um, um.shape[1] / 40.0, axis=1, mode="nearest")
-    lines = axis.contour(length, flank.grid.height, smooth, levels=7, colors="k", linewidths=0.7)
-    axis.clabel(lines, fontsize=8, fmt="%.3g")
+    if np.nanmax(smooth) - np.nanmin(smooth) > 0.2 * limit:
+        lines = axis.contour(length, flank.grid.height, smooth, levels=7, colors="k", linewidths=0.7)
+        axis.clabel(lines, fontsize=8, fmt="%.3g")
     figure.colorbar(image, ax=axis, label="deviation [µm]")
     low, high = float(np.nanmin(um)), float(np.nanmax(um))
     axis.set_title(f"{flank.side} flank, {what}: {low:.3g} to {high:.3g} µm")

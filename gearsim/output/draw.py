@@ -22,7 +22,7 @@ _COLOURS = {"convex": "#d1495b", "concave": "#2e6f95"}
 
 def start_drawing(folder: Path) -> subprocess.Popen[str]:
     """Start drawing what drawing.npz in a folder holds."""
-    command = [sys.executable, "-m", "gearsim.output.draw", str(folder)]
+    command = [sys.executable, "-P", "-m", "gearsim.output.draw", str(folder)]
     return subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
 
 
@@ -105,7 +105,7 @@ def _draw_slot(data: dict[str, NDArray], file: Path) -> None:
         plotter.subplot(0, view)
         plotter.add_mesh(
             mesh.copy(), scalars="deviation_um", cmap="RdBu_r", clim=(-limit, limit), nan_color=_STEEL,
-            ambient=0.35, diffuse=0.45,
+            ambient=0.3, diffuse=0.65,
             scalar_bar_args={
                 "title": "um" + " " * view, "color": "black", "fmt": "%.3g", "title_font_size": 20,
                 "label_font_size": 18, "width": 0.8, "position_x": 0.1,

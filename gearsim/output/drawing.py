@@ -10,11 +10,12 @@ from numpy.typing import NDArray
 from gearsim.envelope import envelope_grid
 from gearsim.metrology.closest import signed_distance
 from gearsim.metrology.deviation import Deviation
-from gearsim.metrology.samples import SampleGrid
+from gearsim.metrology.samples import SampleGrid, sample_grid
 from gearsim.result import Result
 
 _POSES = 25
 _ENVELOPE_POSES = 160
+_NEAR = 2.0
 
 
 def write_drawing(result: Result, file: Path) -> None:
@@ -24,7 +25,7 @@ def write_drawing(result: Result, file: Path) -> None:
     grids += [(p.grid, p.deviation) for p in result.patches.values()]
     for grid, deviation in grids:
         arrays |= _patch_arrays(grid, deviation)
-    points, colour = _machined_relief(result, [grid for grid, _ in grids])
+    points, colour = _machined_relief(result)
     arrays |= {"relief:point": points, "relief:deviation_um": colour}
     arrays["gear:polygon"] = result.tooth.blank.stock.polygon
     arrays["pinion:polygon"] = result.tooth.blank.mate(result.scene["surface"]["mate_teeth"]).stock.polygon
@@ -44,23 +45,24 @@ def _patch_arrays(grid: SampleGrid, deviation: Deviation) -> dict[str, NDArray]:
     }
 
 
-def _machined_relief(result: Result, grids: list[SampleGrid]) -> tuple[NDArray, NDArray]:
-    """Top of the material in the slot's box, from the bundle across the root: points (i, j, 3) in the
-    gear frame, nan where there is none, and the distance [um] of cut points to the intended slot."""
+def _machined_relief(result: Result) -> tuple[NDArray, NDArray]:
+    """Top of the material in the slot's box, from the bundle across the root.
+
+    Points (i, j, 3) in the gear frame, nan where there is no material, and the distance [um] of cut points
+    to the intended slot, nan where none of its surfaces is near.
+    """
     box, bundle = result.dexels.box, result.dexels.bundles[2]
-    counts = box.counts
-    top = np.full(len(bundle.rays), np.nan)
-    made = np.full(len(bundle.rays), -1)
+    top, made = np.full(len(bundle.rays), np.nan), np.full(len(bundle.rays), -1)
     top[bundle.left.ray] = bundle.left.hi
     made[bundle.left.ray] = bundle.left.hi_segment
     points = bundle.rays.origin + top[:, None] * bundle.rays.direction
     cut = np.flatnonzero(made >= 0)
     distance = np.full(len(top), np.nan)
-    for grid in grids:
-        here = signed_distance(grid, points[cut])[0]
-        nearer = np.isfinite(here) & ~(np.abs(distance[cut]) <= np.abs(here))
+    for patch in result.tooth.patches:
+        here = signed_distance(sample_grid(patch, 9, 65), points[cut])[0]
+        nearer = (np.abs(here) < _NEAR) & ~(np.abs(distance[cut]) <= np.abs(here))
         distance[cut[nearer]] = here[nearer]
-    shape = (int(counts[0]), int(counts[1]))
+    shape = (int(box.counts[0]), int(box.counts[1]))
     return points.reshape(*shape, 3), 1e3 * distance.reshape(shape)
 
 

@@ -67,7 +67,8 @@ def print_result(result: Result, out: Path, missing: list[str]) -> None:
     for f in result.findings:
         place = ", ".join(f"{x:.2f}" for x in f.place_mm)
         flag = "[bold red]FAILS[/] " if f.fails else ""
-        _CONSOLE.print(f"{flag}{f.kind}: {f.text}: {f.depth_um:.1f} um at ({place}) mm")
+        depth = "" if f.depth_um is None else f"{f.depth_um:.1f} um "
+        _CONSOLE.print(f"{flag}{f.kind}: {f.text}: {depth}at ({place}) mm")
     for reason in missing:
         _CONSOLE.print(f"[bold yellow]not drawn[/] {reason}")
     t, counts = result.timings_s, result.counts

@@ -9,7 +9,6 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from math import degrees, isfinite, radians
-from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
@@ -44,14 +43,6 @@ class CLProgram:
     def path(self, name: str) -> CLPath | None:
         """The first path of that name, or None."""
         return next((p for p in self.paths if p.name == name), None)
-
-
-def read_cl(file: Path) -> str:
-    """The text of a CL file, for parse_cl. Raises InputError where it cannot be read."""
-    try:
-        return Path(file).read_text(encoding="utf-8")
-    except (OSError, UnicodeDecodeError) as error:
-        raise InputError(f"cannot read CL file {file}: {error}") from error
 
 
 def parse_cl(text: str, name: str = "CL data") -> CLProgram:

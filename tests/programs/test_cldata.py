@@ -6,8 +6,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from gearsim.cutters.catalogue import apt, conical
-from gearsim.errors import InputError
-from gearsim.programs.cldata import CLPath, apt_parameters, assemble, format_cl, parse_cl, read_cl
+from gearsim.errors import InputError, read_input
+from gearsim.programs.cldata import CLPath, apt_parameters, assemble, format_cl, parse_cl
 
 GOOD = """PARTNO test $$ a comment
 UNITS/MM
@@ -81,10 +81,10 @@ def test_mistakes_are_named_with_their_line(text, message):
 
 def test_an_unreadable_file_is_named(tmp_path):
     with pytest.raises(InputError, match=r"cannot read CL file .*missing\.cl"):
-        read_cl(tmp_path / "missing.cl")
+        read_input(tmp_path / "missing.cl", "CL file")
     (tmp_path / "binary.cl").write_bytes(b"\xff\xfe\x00GOTO")
     with pytest.raises(InputError, match=r"binary\.cl"):
-        read_cl(tmp_path / "binary.cl")
+        read_input(tmp_path / "binary.cl", "CL file")
 
 
 words = st.sampled_from(
