@@ -13,12 +13,10 @@ from gearsim.metrology.bevel import FlankMotion
 from gearsim.metrology.dexel_check import slot_box
 from gearsim.motion.segments import SegmentTable, compile_motion, join
 from gearsim.motion.sources import CLMotion, MotionSource
-from gearsim.programs.cldata import CLPath, CLProgram, assemble, format_cl, parse_cl
+from gearsim.programs.cldata import RAPID, CLPath, CLProgram, apt_parameters, assemble, format_cl, parse_cl
 from gearsim.scene import Scene
 from gearsim.surfaces.ruled_bevel import SIDES, RuledBevelTooth, Side
 from gearsim.toolpaths.flank import FlankPath
-
-RAPID = "rapid"
 
 
 @dataclass(frozen=True)
@@ -128,7 +126,7 @@ def _check_cutter(program: CLProgram, cutter: Profile, file: str) -> None:
     """Refuse a CL file made for another cutter than the scene's."""
     if program.cutter is None:
         return
-    sizes = np.array([[p.height, p.max_radius, p.elements[0].end[0]] for p in (program.cutter, cutter)])
-    if np.abs(sizes[0] - sizes[1]).max() > 1e-5:
-        theirs, ours = (f"height {s[0]:.6g}, largest radius {s[1]:.6g}, bottom radius {s[2]:.6g}" for s in sizes)
-        raise InputError(f"{file} is for a cutter of {theirs} mm, but the scene's [cutter] has {ours} mm")
+    theirs, ours = (apt_parameters(p) for p in (program.cutter, cutter))
+    if not np.allclose(theirs, ours, rtol=0.0, atol=1e-5):
+        texts = (", ".join(f"{v:.6g}" for v in p) for p in (theirs, ours))
+        raise InputError("{} is for CUTTER/{}; the scene's [cutter] is CUTTER/{}".format(file, *texts))

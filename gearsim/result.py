@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import Any, Literal
 
 from gearsim.cutters.profile import Profile
@@ -34,13 +34,12 @@ class Result:
     dexels: DexelResult
     theory: dict[Side, MotionSource]
     own_sources: dict[Side, list[MotionSource]]
-    path_of_segment: tuple[str, ...]
     findings: tuple[Finding, ...]
     verdict: Verdict
     status: str
     counts: dict[str, int]
     timings_s: dict[str, float]
-    versions: dict[str, str] = field(default_factory=dict)
+    versions: dict[str, str]
 
     @property
     def exit_code(self) -> int:

@@ -14,7 +14,7 @@ import numpy as np
 import gearsim
 from gearsim.envelope import prepare_envelope
 from gearsim.errors import Status
-from gearsim.job import RAPID, Job, plan
+from gearsim.job import Job, plan
 from gearsim.metrology.bevel import (
     Convergence,
     FlankMotion,
@@ -24,12 +24,13 @@ from gearsim.metrology.bevel import (
     measure_flank,
     measure_root,
 )
-from gearsim.metrology.dexel_check import measure_dexels
+from gearsim.metrology.dexel_check import DexelResult, measure_dexels
 from gearsim.metrology.findings import Finding, flank_findings, rapid_findings, root_findings
 from gearsim.metrology.machine import MeasuringMachine
 from gearsim.metrology.roads import LIMIT_UM
 from gearsim.metrology.samples import SampleGrid, sample_grid
 from gearsim.motion.segments import join
+from gearsim.programs.cldata import RAPID
 from gearsim.result import Result, Verdict
 from gearsim.scene import Scene, load_scene, scene_table
 from gearsim.simulation.removal import prepare
@@ -90,14 +91,13 @@ def _measure(job: Job, machine: MeasuringMachine, device: str) -> Result:
     pitch = job.scene.simulation.dexel_pitch_mm
     grids = [flank.grid for flank in flanks.values()]
     dexels = measure_dexels(machine, job.tooth, job.program, pitch, grids)
-    path_of_segment = tuple(job.path_names[i] for i in job.program.path)
-    rapid = np.array([name == RAPID for name in path_of_segment])
+    rapid = np.array([name == RAPID for name in job.path_names])[job.program.path]
     findings: list[Finding] = []
     for flank in flanks.values():
         findings += flank_findings(flank, metrology.tolerance_um)
     findings += rapid_findings(dexels, grids[0], rapid)
     findings += root_findings(list(root.values()), metrology.root_tolerance_um)
-    verdict, status = _verdict(list(flanks.values()), findings)
+    verdict, status = _verdict(list(flanks.values()), dexels, findings)
     return Result(
         scene=scene_table(job.scene),
         device=device,
@@ -109,7 +109,6 @@ def _measure(job: Job, machine: MeasuringMachine, device: str) -> Result:
         dexels=dexels,
         theory={side: motion.sources[0] for side, motion in job.theory.items()},
         own_sources={side: [job.paths[i] for i in job.own_paths(side)] for side in SIDES},
-        path_of_segment=path_of_segment,
         findings=tuple(findings),
         verdict=verdict,
         status=status,
@@ -138,7 +137,7 @@ def _measure_side(job: Job, machine: MeasuringMachine, side: Side) -> FlankResul
         side=side,
         grid=grid,
         inspection=inspection,
-        contact_height=0.5 * (float(blank.whole_depth_at(blank.mean)) + blank.clearance),
+        contact_height=float(blank.mid_working_depth_at(blank.mean)),
         profile_offsets=np.array(metrology.profile_offsets_mm),
         theory=job.theory.get(side),
         cl=FlankMotion([job.paths[i] for i in own], join([job.path_tables[i] for i in own])),
@@ -158,8 +157,8 @@ def _convergence(job: Job, machine: MeasuringMachine, side: Side, grid: SampleGr
     )
 
 
-def _verdict(flanks: list[FlankResult], findings: list[Finding]) -> tuple[Verdict, str]:
-    """Pass or fail by the findings; unchecked where the two roads do not confirm each other."""
+def _verdict(flanks: list[FlankResult], dexels: DexelResult, findings: list[Finding]) -> tuple[Verdict, str]:
+    """Pass or fail by the findings; unchecked where roads and dexels do not confirm each other."""
     gaps = [g for flank in flanks for g in (flank.gap, flank.gap_cl, *flank.inspection_gaps) if g is not None]
     if not all(g.trusted for g in gaps):
         worst = max(g.max_um for g in gaps)
@@ -167,6 +166,8 @@ def _verdict(flanks: list[FlankResult], findings: list[Finding]) -> tuple[Verdic
         return "unchecked", (
             f"the two roads differ by {worst:.3g} um (limit {LIMIT_UM:g}); {apart} samples are cut by only one of them"
         )
+    if dexels.check_um > LIMIT_UM:
+        return "unchecked", f"the tri-dexel differs from the rays by {dexels.check_um:.3g} um (limit {LIMIT_UM:g})"
     return ("fail" if any(f.fails for f in findings) else "pass"), Status.OK.name or "OK"
 
 

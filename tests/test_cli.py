@@ -1,4 +1,5 @@
 import json
+import re
 import subprocess
 import sys
 
@@ -151,12 +152,24 @@ def test_rapid_moves_through_material_are_found(own_scene, tmp_path):
     assert found["rapid_cut"]["fails"]
 
 
+@pytest.mark.filterwarnings("error")
+def test_a_program_that_misses_the_blank_is_reported_without_a_murmur(own_scene, tmp_path):
+    def away(text):
+        return re.sub(r"(GOTO|FROM)/([-\d.]+)", lambda m: f"{m[1]}/{float(m[2]) + 500.0:.9f}", text)
+
+    assert run("run", own_scene(away), "--out", tmp_path / "out", *QUICK_FILE) == 1
+    verdict, found = findings(tmp_path / "out")
+    assert verdict == "fail"
+    assert found["uncut"]["depth_um"] > 2000.0
+    assert (tmp_path / "out" / "deviation.png").exists()
+
+
 @pytest.mark.parametrize(
     ("change", "message"),
     [
         (lambda t: t.replace("GOTO/", "GOTO/nan,", 1), "my.cl, line"),
         (lambda t: t.replace("UNITS/MM", "UNITS/INCHES"), "only UNITS/MM is supported"),
-        (lambda t: t.replace("CUTTER/", "CUTTER/9,1,3.5,1,0,0,20 $$", 1), "my.cl is for a cutter of height 20"),
+        (lambda t: t.replace("CUTTER/", "CUTTER/9,1,3.5,1,0,0,20 $$", 1), "my.cl is for CUTTER/9, 1, 3.5, 1, 0, 0, 20"),
         (lambda t: "", "no cutting moves"),
     ],
 )

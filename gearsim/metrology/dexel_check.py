@@ -24,8 +24,8 @@ _MARGIN = 1.5
 class DexelResult:
     """The tri-dexel of the slot: three bundles, and its agreement with rays along the normals.
 
-    ``check_um`` is the largest difference between the distance of a cut dexel end to the intended flank
-    and the deviation measured along the normal at its foot, over ``checked`` ends.
+    ``check_um`` is the largest distance, over ``checked`` cut dexel ends near a flank, to the nearest end of
+    what the program removes from the ray along the normal at the foot (inf: it removes nothing there).
     """
 
     box: DexelBox
@@ -64,17 +64,23 @@ def measure_dexels(
     for grid in flanks:
         gaps = _foot_gaps(machine, grid, points, program)
         checked += len(gaps)
-        worst = max(worst, 1e3 * float(np.abs(gaps).max(initial=0.0)))
+        worst = max(worst, 1e3 * float(gaps.max(initial=0.0)))
     return DexelResult(box, (bundles[0], bundles[1], bundles[2]), checked, worst)
 
 
 def _foot_gaps(machine: MeasuringMachine, grid: SampleGrid, points: NDArray, program: SegmentTable) -> NDArray:
-    """Distance minus deviation [mm] for dexel ends near a flank, at most a few thousand, evenly picked."""
+    """How far [mm] dexel ends near a flank are from the cuts' ends on the normals at their feet.
+
+    At most a few thousand, evenly picked.
+    """
     distance, phi, v = signed_distance(grid, points)
     near = np.flatnonzero(np.abs(distance) < _NEAR)
     near = near[:: max(1, len(near) // _MOST)]
     if not len(near):
         return np.empty(0)
     rays = window_rays(grid.patch, phi[near], v[near], grid.patch.jet(phi[near], v[near]).normal)
-    along_normal = machine.measure([rays], program)[0].value
-    return distance[near] - along_normal
+    removed = machine.removed(rays, program)
+    gaps = np.full(len(near), np.inf)
+    for ends in (removed.lo, removed.hi):
+        np.minimum.at(gaps, removed.ray, np.abs(ends - distance[near][removed.ray]))
+    return gaps

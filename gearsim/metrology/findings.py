@@ -84,10 +84,10 @@ def _out_of_tolerance(flank: FlankResult, tolerance_um: float) -> list[Finding]:
     for kind, what in ((Crossing.UNCUT, "uncut"), (Crossing.THROUGH, "through")):
         where = np.flatnonzero(crossing == kind)
         if len(where):
-            i = int(where[0])
+            window = 1e3 * (flank.grid.outward if kind == Crossing.UNCUT else -flank.grid.inward).ravel()
+            i = int(where[np.argmax(np.abs(window[where]))])
             text = f"{len(where)} samples of the {flank.side} flank are {what}: beyond the measuring window"
-            depth = _depth(flank.all_passes, flank.grid, i)
-            found.append(_finding(what, flank.grid, i, depth, 0.0, text))
+            found.append(_finding(what, flank.grid, i, float(window[i]), 0.0, text))
     um = np.where(np.isfinite(flank.all_passes.value), 1e3 * flank.all_passes.value, 0.0).ravel()
     i = int(np.argmax(np.abs(um)))
     if abs(um[i]) > tolerance_um:
@@ -107,14 +107,6 @@ def _height(deviation: Deviation, grid: SampleGrid) -> NDArray:
     """Material left [mm], at least, flat."""
     uncut = deviation.crossing == Crossing.UNCUT
     return np.where(uncut, grid.outward, np.nan_to_num(deviation.value)).ravel()
-
-
-def _depth(deviation: Deviation, grid: SampleGrid, i: int) -> float:
-    """Deviation [um] of one sample; the window's end where it was not measured."""
-    crossing = deviation.crossing.ravel()[i]
-    if crossing == Crossing.MEASURED:
-        return 1e3 * float(deviation.value.ravel()[i])
-    return 1e3 * float(grid.outward.ravel()[i] if crossing == Crossing.UNCUT else -grid.inward.ravel()[i])
 
 
 def _where(grid: SampleGrid) -> str:

@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.ndimage import gaussian_filter1d
 
 from gearsim.metrology.bevel import FlankResult
@@ -64,15 +65,17 @@ def _heat_map(figure: Any, axis: Axes, flank: FlankResult, deviation: Deviation,
     """A map of one flank; the contours are of the map averaged along the face, or CL steps would fill it."""
     um = 1e3 * deviation.value
     length = flank.grid.length * flank.grid.patch.tooth.blank.face_width
-    limit = max(float(np.nanmax(np.abs(um))), 1e-6)
+    limit = _largest(um)
     image = axis.pcolormesh(length, flank.grid.height, um, cmap="RdBu_r", vmin=-limit, vmax=limit, shading="gouraud")
     smooth = gaussian_filter1d(um, um.shape[1] / 40.0, axis=1, mode="nearest")
-    if np.nanmax(smooth) - np.nanmin(smooth) > 0.2 * limit:
+    known = smooth[np.isfinite(smooth)]
+    if known.size and np.ptp(known) > 0.2 * limit:
         lines = axis.contour(length, flank.grid.height, smooth, levels=7, colors="k", linewidths=0.7)
         axis.clabel(lines, fontsize=8, fmt="%.3g")
     figure.colorbar(image, ax=axis, label="deviation [µm]")
-    low, high = float(np.nanmin(um)), float(np.nanmax(um))
-    axis.set_title(f"{flank.side} flank, {what}: {low:.3g} to {high:.3g} µm")
+    summary = deviation.summary_um()
+    span = "nothing cut" if summary["min"] is None else f"{summary['min']:.3g} to {summary['max']:.3g} µm"
+    axis.set_title(f"{flank.side} flank, {what}: {span}")
     axis.set_xlabel("toe to heel [mm]")
     axis.set_ylabel("root to tip [share of flank]")
 
@@ -81,7 +84,7 @@ def _whiskers(axis: Axes, flank: FlankResult) -> None:
     """The inspector's grid: a stroke per point, up for material left, with its scale."""
     um = flank.topography["all_passes"].as_cut_um
     x, y = np.meshgrid(flank.inspection.length, flank.inspection.height)
-    largest = max(float(np.nanmax(np.abs(um))), 1e-6)
+    largest = _largest(um)
     step = flank.inspection.height[1] - flank.inspection.height[0]
     tips = y + 0.8 * step * np.nan_to_num(um) / largest
     for i in range(um.shape[0]):
@@ -141,5 +144,10 @@ def _section(axis: Axes, result: Result, measured: list[tuple[SampleGrid, Deviat
 
 def _enlargement(deviations: list[Deviation]) -> float:
     """A power of ten that makes the largest deviation at mid-face a few tenths of a millimetre."""
-    largest = max(float(np.nanmax(np.abs(d.value[:, d.value.shape[1] // 2]))) for d in deviations)
-    return float(10.0 ** np.floor(np.log10(max(1.0 / max(largest, 1e-9), 1.0))))
+    largest = max(_largest(d.value[:, d.value.shape[1] // 2]) for d in deviations)
+    return float(10.0 ** np.floor(np.log10(max(1.0 / largest, 1.0))))
+
+
+def _largest(deviation: NDArray) -> float:
+    """Largest size of the values that exist, at least 1e-6."""
+    return float(np.nanmax(np.abs(deviation), initial=1e-6))

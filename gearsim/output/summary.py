@@ -54,7 +54,7 @@ def summary(result: Result) -> dict[str, Any]:
             "pitch_mm": result.dexels.box.pitch,
             "rays": [len(b.rays) for b in result.dexels.bundles],
             "removed_volume_mm3": result.dexels.removed_volumes,
-            "check_um": {"max": result.dexels.check_um, "points": result.dexels.checked},
+            "check_um": {"max": _number(result.dexels.check_um), "points": result.dexels.checked},
         },
         "findings": [asdict(f) for f in result.findings],
     }

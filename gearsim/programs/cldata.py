@@ -17,15 +17,16 @@ from gearsim.cutters.catalogue import apt
 from gearsim.cutters.profile import Profile
 from gearsim.errors import InputError
 
-_IGNORED = {"PARTNO", "PPRINT", "SPINDL", "COOLNT", "LOADTL", "END", "FINI", "MACHIN", "TOOLNO", "STOP"}
+_IGNORED = {"PARTNO", "PPRINT", "SPINDL", "COOLNT", "LOADTL", "END", "FINI", "MACHIN", "TOOLNO", "STOP", "MULTAX"}
 _UNIT_AXIS = 1e-4
+RAPID = "rapid"
 
 
 @dataclass(frozen=True)
 class CLPath:
     """Consecutive moves of one kind: ``tips`` [mm] and unit ``axes``, shape (n, 3), first point included.
 
-    ``name`` is the pass's name, or "rapid" for moves at rapid rate.
+    ``name`` is the pass's name, or RAPID for moves at rapid rate.
     """
 
     name: str
@@ -85,7 +86,6 @@ class _Reader:
         self.rapid = False
         self.label = "cut"
         self.cutter: Profile | None = None
-        self.multax = False
         self.at: tuple[NDArray, NDArray] | None = None
         self.moves: list[tuple[str, list[NDArray], list[NDArray]]] = []
 
@@ -104,16 +104,16 @@ class _Reader:
         elif word == "UNITS":
             if rest.upper() != "MM":
                 raise self.fail(line, f"UNITS/{rest}: only UNITS/MM is supported; convert the file to millimetres")
-        elif word == "MULTAX":
-            self.multax = rest.upper() in ("", "ON")
         elif word == "CUTTER":
             self._cutter(line, rest)
         elif word == "PPRINT" and rest.upper().startswith("PASS"):
             self.label = rest[4:].strip(" ,").lower() or "cut"
+            if self.label == RAPID:
+                raise self.fail(line, "a pass cannot be called 'rapid'; that names moves at rapid rate")
         elif word not in _IGNORED:
             raise self.fail(
                 line, f"word {word!r} is not supported; supported are GOTO, FROM, RAPID, FEDRAT, CUTTER, "
-                "MULTAX, UNITS and " + ", ".join(sorted(_IGNORED)),
+                "UNITS and " + ", ".join(sorted(_IGNORED)),
             )  # fmt: skip
 
     def _numbers(self, line: int, rest: str, counts: tuple[int, ...], form: str) -> list[float]:
@@ -155,16 +155,17 @@ class _Reader:
 
     def _move(self, tip: NDArray, axis: NDArray) -> None:
         assert self.at is not None
-        label = "rapid" if self.rapid else self.label
+        label = RAPID if self.rapid else self.label
         if np.array_equal(tip, self.at[0]) and np.array_equal(axis, self.at[1]):
             return
-        if not self.moves or self.moves[-1][0] != label:
+        goes_on = self.moves and self.moves[-1][0] == label and np.array_equal(self.moves[-1][1][-1], self.at[0])
+        if not goes_on:
             self.moves.append((label, [self.at[0]], [self.at[1]]))
         self.moves[-1][1].append(tip)
         self.moves[-1][2].append(axis)
 
     def program(self) -> CLProgram:
-        if not any(label != "rapid" for label, _, _ in self.moves):
+        if not any(label != RAPID for label, _, _ in self.moves):
             raise InputError(f"{self.name}: no cutting moves; a path needs at least two GOTO points")
         paths = (CLPath(label, np.array(tips), np.array(axes)) for label, tips, axes in self.moves)
         return CLProgram(tuple(paths), self.cutter)
@@ -192,10 +193,10 @@ def format_cl(program: CLProgram, title: str, feed_mm_min: float, decimals: int)
         rows = np.round(np.hstack([path.tips, path.axes]), decimals) + 0.0
         if i == 0:
             lines.append("FROM/" + ",".join(f"{v:.{decimals}f}" for v in rows[0]))
-        if path.name != "rapid":
+        if path.name != RAPID:
             lines += [f"PPRINT PASS {path.name}", f"FEDRAT/{feed_mm_min:g}"]
         for row in rows[1:]:
-            lines += ["RAPID"] if path.name == "rapid" else []
+            lines += ["RAPID"] if path.name == RAPID else []
             lines.append("GOTO/" + ",".join(f"{v:.{decimals}f}" for v in row))
     return "\n".join([*lines, "FINI", ""])
 
@@ -215,8 +216,8 @@ def assemble(passes: list[CLPath], retract: float, cutter: Profile) -> CLProgram
         end, end_axis = path.tips[-1], path.axes[-1]
         away = np.array([end, end + retract * end_axis])
         paths += [
-            CLPath("rapid", np.array(tips), np.array(axes)),
+            CLPath(RAPID, np.array(tips), np.array(axes)),
             path,
-            CLPath("rapid", away, np.array([end_axis, end_axis])),
+            CLPath(RAPID, away, np.array([end_axis, end_axis])),
         ]
     return CLProgram(tuple(paths), cutter)

@@ -92,6 +92,10 @@ class BevelBlank:
         """Height [mm] of the face cone over the root cone (Zhou 3.35)."""
         return self.addendum_at(cone) + self.dedendum_at(cone)
 
+    def mid_working_depth_at(self, cone: NDArray | float) -> NDArray | float:
+        """Height [mm] over the root cone of the middle of the working depth (Zhou 4.23)."""
+        return 0.5 * (self.whole_depth_at(cone) + self.clearance)
+
     @property
     def root_apex(self) -> float:
         """Signed distance [mm] along +z from the root cone's apex to the pitch apex (Zhou 3.29)."""

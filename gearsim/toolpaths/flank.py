@@ -31,7 +31,7 @@ class FlankPath:
 
     def contact_height(self, cone: NDArray | float) -> NDArray:
         """Profile height h [mm] of the contact path: mid working depth (Zhou 4.23)."""
-        return 0.5 * (np.asarray(self.tooth.blank.whole_depth_at(cone)) + self.tooth.blank.clearance)
+        return np.asarray(self.tooth.blank.mid_working_depth_at(cone))
 
     @property
     def motion(self) -> CurveMotion:

@@ -41,6 +41,11 @@ def test_reads_moves_modes_names_and_cutter():
     assert apt_parameters(program.cutter) == pytest.approx((6, 0.5, 2.5, 0.5, 0, 0, 20))
 
 
+def test_a_new_start_point_begins_a_new_path():
+    program = parse_cl("GOTO/0,0,0\nGOTO/1,0,0\nFROM/5,0,0\nGOTO/6,0,0\nGOTO/7,0,0")
+    assert [p.tips[:, 0].tolist() for p in program.paths] == [[0, 1], [5, 6, 7]]
+
+
 @pytest.mark.parametrize("cutter", [conical(1.04, 0.8, 0.26, 25.0), apt(6.0, 0.0, 0.0, 0.0, 0.0, 0.0, 20.0)])
 def test_what_is_written_is_read_back(cutter, rng):
     passes = [CLPath(n, rng.normal(size=(7, 3)), unit(rng.normal(size=(7, 3)))) for n in ("convex", "concave")]
@@ -67,6 +72,7 @@ def test_what_is_written_is_read_back(cutter, rng):
         ("CUTTER/6,1", "line 1: 2 numbers; expected CUTTER"),
         ("CUTTER/6,1,2.5,1,0,0,20", "line 1: impossible APT cutter"),
         ("FEDRAT/-3", "line 1: FEDRAT/-3: a feed must be positive"),
+        ("PPRINT PASS rapid", "line 1: a pass cannot be called 'rapid'"),
         ("CYCLE/DRILL", "line 1: word 'CYCLE' is not supported"),
         ("GOTO/0,0,0", "no cutting moves"),
         ("RAPID\nGOTO/0,0,0\nRAPID\nGOTO/1,0,0", "no cutting moves"),
