@@ -15,6 +15,7 @@ from gearsim.motion.segments import SegmentTable, compile_motion, join
 from gearsim.motion.sources import CLMotion, MotionSource
 from gearsim.programs.cldata import RAPID, CLPath, CLProgram, apt_parameters, assemble, format_cl, parse_cl
 from gearsim.scene import Scene
+from gearsim.simulation.removal import SLOT_BYTES, tile_rays
 from gearsim.surfaces.ruled_bevel import SIDES, RuledBevelTooth, Side
 from gearsim.toolpaths.flank import FlankPath
 
@@ -77,8 +78,8 @@ def estimate(job: Job) -> dict[str, float]:
     return {
         "rays": rays,
         "segments": segments,
-        "memory_mb": 600.0 + 1e-6 * (min(rays, 1 << 20) * (24 * slots + 80) + 620 * segments + 2000 * samples),
-        "seconds": 6.0 + rays / 150e3 + samples * (2.2e-4 + 5e-7 * segments),
+        "memory_mb": 600.0 + 1e-6 * (SLOT_BYTES * slots * min(rays, tile_rays(slots)) + 450 * rays + 2000 * samples),
+        "seconds": 6.0 + rays / 60e3 + samples * (2.2e-4 + 5e-7 * segments),
     }
 
 

@@ -66,6 +66,16 @@ def test_bad_input_is_one_clear_message_and_exit_code_2(arguments, message, tmp_
     assert not list(tmp_path.rglob("report.*"))
 
 
+def test_a_full_memory_is_one_clear_message(tmp_path, monkeypatch, capsys):
+    def full(*args, **kwargs):
+        raise RuntimeError("Failed to allocate 9 bytes on device 'cpu'")
+
+    monkeypatch.setattr("warp.zeros", full)
+    assert run("run", "spiral-bevel-flank", "--out", tmp_path, *QUICK) == 2
+    assert "out of memory; lower metrology.rows" in capsys.readouterr().err
+    assert not list(tmp_path.iterdir())
+
+
 def test_four_mistakes_are_told_at_once(tmp_path, capsys):
     mistakes = ["surface.teeth=-3", "surface.colour=1", 'cutter.kind="saw"', "metrology.rows=0.5"]
     assert run("run", "spiral-bevel-flank", *[a for m in mistakes for a in ("--set", m)]) == 2

@@ -22,19 +22,21 @@ def signed_distance(grid: SampleGrid, points: NDArray) -> tuple[NDArray, NDArray
     flat = grid.point.reshape(-1, 3)
     nearest = cKDTree(flat).query(points)[1]
     phi, v = grid.phi.ravel()[nearest], grid.v.ravel()[nearest]
-    step = np.full(len(points), np.inf)
+    step, live = np.full(len(points), np.inf), np.arange(len(points))
     for _ in range(_STEPS):
-        jet = patch.jet(phi, v)
-        miss = jet.r - points
+        jet = patch.jet(phi[live], v[live])
+        miss = jet.r - points[live]
         g1, g2 = _dot(miss, jet.ru), _dot(miss, jet.rv)
         a = _dot(jet.ru, jet.ru) + _dot(miss, jet.ruu)
         b = _dot(jet.ru, jet.rv) + _dot(miss, jet.ruv)
         c = _dot(jet.rv, jet.rv) + _dot(miss, jet.rvv)
         det = a * c - b * b
         dphi, dv = (b * g2 - c * g1) / det, (b * g1 - a * g2) / det
-        phi, v = phi + dphi, v + dv
-        step = np.abs(dphi) * np.sqrt(_dot(jet.ru, jet.ru)) + np.abs(dv) * np.sqrt(_dot(jet.rv, jet.rv))
-        if step.max(initial=0.0) < _SETTLED:
+        phi[live] += dphi
+        v[live] += dv
+        step[live] = np.abs(dphi) * np.sqrt(_dot(jet.ru, jet.ru)) + np.abs(dv) * np.sqrt(_dot(jet.rv, jet.rv))
+        live = live[step[live] >= _SETTLED]
+        if not len(live):
             break
     jet = patch.jet(phi, v)
     distance = _dot(points - jet.r, jet.normal)

@@ -24,7 +24,8 @@ from gearsim.kernels.profile import ARC, LINE, Cutter
 from gearsim.motion.segments import SegmentTable
 from gearsim.simulation.intervals import IntervalSet, from_lists
 
-TILE_RAYS = 1 << 20
+TILE_BYTES = 1 << 29
+SLOT_BYTES = 24
 SLICE_RAYS = 2048
 
 
@@ -151,6 +152,23 @@ def segment_bounds(table: SegmentTable, cutter: Profile) -> tuple[NDArray, NDArr
     )
 
 
+@contextmanager
+def _memory_errors() -> Iterator[None]:
+    """Warp tells of a full memory by a RuntimeError."""
+    try:
+        yield
+    except RuntimeError as error:
+        if "allocate" not in str(error):
+            raise
+        raise MemoryError(str(error)) from error
+
+
+def tile_rays(slots: int) -> int:
+    """Rays cut at a time, so that their interval lists stay within half a gigabyte."""
+    return max(SLICE_RAYS, TILE_BYTES // (SLOT_BYTES * slots))
+
+
+@_memory_errors()
 def cut(
     rays: RayBundle,
     table: SegmentTable,
@@ -167,13 +185,14 @@ def cut(
     ``tolerance`` [mm] bounds the error of each interval's end along its ray (what escapes it is cut no
     deeper than a tenth of it, see kernels/sweep.py); ``slots`` is the longest interval list of a ray;
     ``threads`` the CPU threads (default: all cores); ``progress`` is told of rays done. Check
-    ``Removal.status`` or call ``require_trust``.
+    ``Removal.status`` or call ``require_trust``. Raises MemoryError where the device has no room.
     """
     prepare(device)
     job = _Job(table, cutter, device, tolerance, slots)
     parts = []
-    for begin in range(0, max(len(rays), 1), TILE_RAYS):
-        tile = rays.part(slice(begin, begin + TILE_RAYS))
+    step = tile_rays(slots)
+    for begin in range(0, max(len(rays), 1), step):
+        tile = rays.part(slice(begin, begin + step))
         parts.append(job.run(tile, threads or os.cpu_count() or 1, progress or (lambda n: None)))
     return parts[0] if len(parts) == 1 else _concatenate(parts)
 

@@ -151,7 +151,7 @@ def test_cpu_threads_and_tiles_are_bit_identical(rng, monkeypatch):
     table = compile_motion(source, cutter.reach)
     one = cut(rays, table, cutter, threads=1)
     monkeypatch.setattr(removal, "SLICE_RAYS", 37)
-    monkeypatch.setattr(removal, "TILE_RAYS", 130)
+    monkeypatch.setattr(removal, "tile_rays", lambda slots: 130)
     many = cut(rays, table, cutter, threads=2)
     for f in fields(one.removed):
         assert np.array_equal(getattr(one.removed, f.name), getattr(many.removed, f.name))
