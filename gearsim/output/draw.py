@@ -112,7 +112,7 @@ def _draw_slot(data: dict[str, NDArray], file: Path) -> None:
             },
         )  # fmt: skip
         plotter.add_text(f"deviation, {text}\n+ material left, - overcut", color="black", font_size=11)
-        _look(plotter, np.asarray(mesh.center), data, 62.0)
+        _look(plotter, np.asarray(mesh.center), data, 78.0)
     plotter.screenshot(str(file))
 
 
@@ -176,7 +176,7 @@ def _draw_toolpaths(data: dict[str, NDArray], surfaces: dict[str, Any], file: Pa
         for a, b in zip(tip, tip + length * axis, strict=True):
             plotter.add_mesh(pv.Line(a, b), color=_COLOURS[side], line_width=3)
         plotter.add_text(f"pass for the {side} flank", color="black", font_size=12)
-        _look(plotter, data["patch:bottom:point"].reshape(-1, 3).mean(axis=0), data, 62.0)
+        _look(plotter, data["patch:bottom:point"].reshape(-1, 3).mean(axis=0), data, 84.0)
     plotter.screenshot(str(file))
 
 
@@ -193,7 +193,7 @@ def _draw_envelopes(data: dict[str, NDArray], surfaces: dict[str, Any], file: Pa
             plotter.add_mesh(mesh, color=_COLOURS[side], opacity=0.6, smooth_shading=True)
             plotter.add_mesh(mesh.extract_feature_edges(60.0), color="black", line_width=2)
         plotter.add_text(f"envelope of the {side} flank's pass", color="black", font_size=12)
-        _look(plotter, data["patch:bottom:point"].reshape(-1, 3).mean(axis=0), data, 62.0)
+        _look(plotter, data["patch:bottom:point"].reshape(-1, 3).mean(axis=0), data, 88.0)
     plotter.screenshot(str(file))
 
 
