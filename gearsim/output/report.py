@@ -108,6 +108,8 @@ def _roads(report: dict[str, Any]) -> str:
                     ]
                 )
     dexel = report["tri_dexel"]
+    check = dexel["check_um"]["max"]
+    agreement = "no cut ends" if check is None else f"to {1e3 * check:.2g} nm"
     volumes = ", ".join(f"{v:.2f}" for v in dexel["removed_volume_mm3"])
     return (
         "## Can the number be trusted?\n\n"
@@ -115,7 +117,7 @@ def _roads(report: dict[str, Any]) -> str:
         "that sweeps the cutter through rays and knows no envelope condition. They must agree to 1 nm.\n\n"
         + _table(["Largest gap of the two roads", "nm", "samples", "excluded", "disagree", "classes"], rows)
         + f"\nThird witness: {dexel['check_um']['points']} ends of a tri-dexel (rays that do not know the "
-        f"normals) lie where the rays along the normals say to {_um(dexel['check_um']['max'])} µm. Its three "
+        f"normals) lie where the rays along the normals say {agreement}. Its three "
         f"bundles find {volumes} mm³ removed from the slot's box.\n"
     )
 
