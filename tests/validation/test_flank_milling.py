@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from scipy.optimize import brentq, minimize_scalar
 
+from gearsim.envelope import machined_along
 from gearsim.geometry.rays import RayBundle
 from gearsim.geometry.rigid import Rigid
 from gearsim.metrology.bevel import measure_convergence
@@ -145,6 +146,9 @@ def test_a_rigid_motion_of_the_scene_changes_no_deviation(tooth, published_cutte
     ):
         removed = cut(rays, table, published_cutter, device=device, tolerance=1e-10).require_trust().removed
         assert 1e3 * np.abs(measure(rays, removed).value - deviation.value.ravel()).max() < 1e-6
+    still = machined_along(grid.rays(), [source], published_cutter).deviation
+    moved = machined_along(rays, [MovedMotion(source, rigid)], published_cutter).deviation
+    assert 1e3 * np.abs(moved - still).max() < 1e-6
 
 
 def test_mirroring_swaps_hands_and_nothing_else(published_cutter):
