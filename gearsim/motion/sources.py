@@ -8,22 +8,16 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
-from typing import NamedTuple, Protocol
+from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
 from gearsim.errors import InputError
 from gearsim.geometry import series
+from gearsim.geometry.pose import PoseSeries
 from gearsim.geometry.rigid import Rigid
 from gearsim.geometry.series import Series
-
-
-class PoseSeries(NamedTuple):
-    """Tip position [mm] and unit axis (tip to shank) as vector series in t, workpiece frame."""
-
-    tip: Series
-    axis: Series
 
 
 class MotionSource(Protocol):

@@ -11,7 +11,8 @@ from numpy.typing import NDArray
 from gearsim.cutters.profile import Profile
 from gearsim.errors import InputError
 from gearsim.geometry import series
-from gearsim.motion.sources import CLMotion, CurveMotion, PoseSeries
+from gearsim.geometry.pose import PoseSeries
+from gearsim.motion.sources import CLMotion, CurveMotion
 from gearsim.surfaces.ruled_bevel import RuledBevelTooth, Side
 
 

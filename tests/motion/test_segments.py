@@ -101,8 +101,9 @@ def test_joined_tables_number_their_paths(rng):
 
 
 def test_a_jump_is_refused():
+    from gearsim.geometry.pose import PoseSeries
     from gearsim.geometry.series import Series
-    from gearsim.motion.sources import CurveMotion, PoseSeries
+    from gearsim.motion.sources import CurveMotion
 
     def jump(t, order):
         c = np.zeros((order + 1, len(t), 3))

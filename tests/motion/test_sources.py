@@ -68,8 +68,8 @@ def test_a_moved_motion_is_the_motion_moved(rng):
 
 def test_a_curve_is_scaled_to_its_range():
     from gearsim.geometry import series
+    from gearsim.geometry.pose import PoseSeries
     from gearsim.geometry.series import Series
-    from gearsim.motion.sources import PoseSeries
 
     def curve(phi, order):
         p = Series.variable(phi, order)

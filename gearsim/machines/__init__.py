@@ -1,0 +1,1 @@
+"""Machines: chains of joints from tool to workpiece, forward and inverse, and the catalogue of them."""
