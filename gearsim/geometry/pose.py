@@ -12,3 +12,19 @@ class PoseSeries(NamedTuple):
 
     tip: Series
     axis: Series
+
+
+class FrameSeries(NamedTuple):
+    """A whole tool frame as vector series in a parameter, workpiece frame: a pose, and its turn about the axis.
+
+    ``radial`` is the tool's own x direction, a unit vector normal to the axis.
+    """
+
+    tip: Series
+    axis: Series
+    radial: Series
+
+    @property
+    def pose(self) -> PoseSeries:
+        """The frame without its turn about the axis."""
+        return PoseSeries(self.tip, self.axis)
