@@ -16,7 +16,7 @@ from gearsim.job import Job, plan
 from gearsim.metrology.dexel_check import slot_box
 from gearsim.metrology.samples import sample_grid
 from gearsim.motion.segments import SegmentTable
-from gearsim.scene import load_scene
+from gearsim.scene import FlankMillingScene, load_scene
 from gearsim.simulation.removal import cut, device_name, prepare
 
 Suite = Callable[[str], dict[str, Any]]
@@ -28,7 +28,9 @@ _COLUMNS = ("case", "threads", "rays", "segments", "seconds", "spread", "krays/s
 
 def removal(device: str) -> dict[str, Any]:
     """The removal road on the scene spiral-bevel-flank: rays along normals, and the slot's tri-dexel."""
-    job = plan(*load_scene("spiral-bevel-flank"))
+    scene, folder = load_scene("spiral-bevel-flank")
+    assert isinstance(scene, FlankMillingScene)
+    job = plan(scene, folder)
     prepare(device)
     normals = sample_grid(job.tooth.flank("convex"), 65, 513).rays()
     dexels = slot_box(job.tooth, 0.15).rays(2)

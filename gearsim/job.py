@@ -14,7 +14,7 @@ from gearsim.metrology.dexel_check import slot_box
 from gearsim.motion.segments import SegmentTable, compile_motion, join
 from gearsim.motion.sources import CLMotion, MotionSource
 from gearsim.programs.cldata import RAPID, CLPath, CLProgram, apt_parameters, assemble, format_cl, parse_cl
-from gearsim.scene import Scene
+from gearsim.scene import FlankMillingScene
 from gearsim.simulation.removal import SLOT_BYTES, tile_rays
 from gearsim.surfaces.ruled_bevel import SIDES, RuledBevelTooth, Side
 from gearsim.toolpaths.flank import FlankPath
@@ -28,7 +28,7 @@ class Job:
     tables compiled from them; ``theory`` holds the planner's continuous motions, by flank.
     """
 
-    scene: Scene
+    scene: FlankMillingScene
     tooth: RuledBevelTooth
     cutter: Profile
     cl_text: str
@@ -83,7 +83,7 @@ def estimate(job: Job) -> dict[str, float]:
     }
 
 
-def plan(scene: Scene, folder: Path) -> Job:
+def plan(scene: FlankMillingScene, folder: Path) -> Job:
     """Build the geometry, plan or read the toolpath, and compile the motions of a scene.
 
     ``folder`` is where a relative CL file name is looked up.
@@ -111,7 +111,7 @@ def plan(scene: Scene, folder: Path) -> Job:
     return Job(scene, tooth, cutter, text, names, tuple(sources), tuple(tables), planners, theory)
 
 
-def _planned_program(planners: dict[Side, FlankPath], cutter: Profile, scene: Scene) -> str:
+def _planned_program(planners: dict[Side, FlankPath], cutter: Profile, scene: FlankMillingScene) -> str:
     """Our own CL program as text; what is simulated is read back from it."""
     table = scene.toolpath
     passes = []

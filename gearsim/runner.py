@@ -32,7 +32,7 @@ from gearsim.metrology.samples import SampleGrid, sample_grid
 from gearsim.motion.segments import join
 from gearsim.programs.cldata import RAPID
 from gearsim.result import Result, Verdict
-from gearsim.scene import Scene, load_scene, scene_table
+from gearsim.scene import FlankMillingScene, Scene, load_scene, scene_table
 from gearsim.simulation.removal import prepare
 from gearsim.surfaces.ruled_bevel import SIDES, Side
 
@@ -70,6 +70,7 @@ def run(
     if not isinstance(scene, Scene):
         scene, found_in = load_scene(scene, overrides)
         folder = folder or found_in
+    assert isinstance(scene, FlankMillingScene)
     job = plan(scene, folder or Path())
     planned = perf_counter()
     progress.stage("compiling kernels", 0)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from math import cos, degrees, pi, sin, tan
 
 from gearsim.cutters.profile import Element, Profile
@@ -91,3 +92,6 @@ def conical(bottom_radius: float, fillet_radius: float, taper: float, height: fl
     """
     d = 2.0 * (bottom_radius + fillet_radius * (1.0 - sin(taper)) / cos(taper))
     return apt(d, fillet_radius, bottom_radius, fillet_radius, 0.0, taper, height, name="conical cutter")
+
+
+CUTTERS: dict[str, Callable[..., Profile]] = {"apt": apt, "conical": conical}

@@ -1,0 +1,116 @@
+"""Scenes that flank-mill a ruled spiral bevel gear."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from math import radians
+from typing import Literal
+
+from pydantic import Field, model_validator
+
+from gearsim.cutters.profile import Profile
+from gearsim.scene.cutters import AnyCutter
+from gearsim.scene.tables import Angle, Count, Length, LengthOrZero, Scene, Table
+from gearsim.surfaces.blank import BevelBlank, outer_cone_distance, pitch_angle
+from gearsim.surfaces.ruled_bevel import RuledBevelTooth
+
+
+class RuledBevelTable(Table):
+    """Table [surface] of kind ``ruled-bevel``: blank and tooth of a ruled spiral bevel gear."""
+
+    kind: Literal["ruled-bevel"]
+    teeth: int = Field(ge=5, le=1000)
+    mate_teeth: int = Field(ge=3, le=1000)
+    hand: Literal["left", "right"]
+    module_mm: Length
+    shaft_angle_deg: float = Field(gt=0.0, lt=180.0, allow_inf_nan=False)
+    spiral_angle_deg: float = Field(ge=0.0, lt=60.0, allow_inf_nan=False)
+    face_width_mm: Length
+    addendum_mm: Length
+    dedendum_mm: Length
+    face_angle_deg: float = Field(gt=0.0, lt=180.0, allow_inf_nan=False)
+    root_angle_deg: float = Field(gt=0.0, lt=180.0, allow_inf_nan=False)
+    clearance_mm: LengthOrZero
+    rim_mm: Length
+    lengthwise_radius_mm: Length
+    bottom_half_width_mm: LengthOrZero
+    fillet_radius_mm: LengthOrZero
+    pressure_angle_deg: Angle
+    start_angle_deg: float = Field(default=0.0, allow_inf_nan=False)
+
+    def build(self) -> RuledBevelTooth:
+        """The tooth slot on its blank."""
+        pitch = pitch_angle(self.teeth, self.mate_teeth, radians(self.shaft_angle_deg))
+        blank = BevelBlank(
+            self.teeth, pitch, outer_cone_distance(self.module_mm, self.teeth, pitch), self.face_width_mm,
+            self.addendum_mm, self.dedendum_mm, radians(self.face_angle_deg), radians(self.root_angle_deg),
+            self.clearance_mm, self.rim_mm,
+        )  # fmt: skip
+        return RuledBevelTooth(
+            blank, radians(self.spiral_angle_deg), self.hand, self.lengthwise_radius_mm,
+            self.bottom_half_width_mm, self.fillet_radius_mm, radians(self.pressure_angle_deg),
+            radians(self.start_angle_deg),
+        )  # fmt: skip
+
+
+class ToolpathTable(Table):
+    """Table [toolpath]: our planner's values, or ``file``, a CL file to read instead."""
+
+    file: str | None = None
+    points: Count = 65
+    run_mm: LengthOrZero = 8.0
+    retract_mm: Length = 15.0
+    feed_mm_min: Length = 600.0
+    decimals: int = Field(default=9, ge=3, le=12)
+
+    @model_validator(mode="after")
+    def _file_alone(self) -> ToolpathTable:
+        planned = sorted(self.model_fields_set - {"file"})
+        if self.file is not None and planned:
+            raise ValueError(f"'file' replaces our planner; remove {', '.join(planned)}")
+        return self
+
+
+class MetrologyTable(Table):
+    """Table [metrology]: what is measured, and the tolerances of the verdict."""
+
+    tolerance_um: Length
+    root_tolerance_um: Length
+    rows: Count = 21
+    columns: Count = 257
+    margin: float = Field(default=0.01, gt=0.0, lt=0.5)
+    inspection_rows: Count = 5
+    inspection_columns: Count = 9
+    inspection_margin: float = Field(default=0.1, gt=0.0, lt=0.5)
+    window: float = Field(default=1.0, gt=0.0, le=4.0)
+    profile_offsets_mm: tuple[float, ...] = (0.0, 0.5, -0.5, 1.5, -1.5, 3.0, -3.0)
+    convergence: tuple[Count, ...] = (9, 17, 33, 65, 129, 257)
+
+
+class ReferenceTable(Table):
+    """Table [reference]: published deviations to print beside ours."""
+
+    source: str
+    note: str = ""
+    overcut_is_positive: bool
+    convex_um: tuple[float, ...]
+    concave_um: tuple[float, ...]
+
+
+class FlankMillingScene(Scene):
+    """A scene that flank-mills a ruled spiral bevel gear."""
+
+    surface: RuledBevelTable
+    cutter: AnyCutter
+    toolpath: ToolpathTable = ToolpathTable()
+    metrology: MetrologyTable
+    reference: ReferenceTable | None = None
+
+    def tooth(self) -> RuledBevelTooth:
+        return self.surface.build()
+
+    def tool(self) -> Profile:
+        return self.cutter.build()
+
+    def builders(self) -> tuple[Callable[[], object], ...]:
+        return (self.tooth, self.tool)

@@ -1,0 +1,187 @@
+"""Scenes by name or path: TOML read, checked, and every mistake told at once."""
+
+from __future__ import annotations
+
+import tomllib
+from collections.abc import Sequence
+from difflib import get_close_matches
+from importlib.resources import files
+from math import degrees
+from pathlib import Path
+from typing import Any, get_args
+
+from pydantic import ValidationError
+
+from gearsim.errors import InputError, read_input
+from gearsim.scene.flank_milling import FlankMillingScene
+from gearsim.scene.tables import Scene, Table
+
+SCENES: dict[str, type[Scene]] = {"ruled-bevel": FlankMillingScene}
+
+
+def scene_names() -> dict[str, str]:
+    """Built-in scenes and their one-line summaries."""
+    found = {}
+    for entry in sorted(files("gearsim.scenes").iterdir(), key=lambda e: e.name.removesuffix(".toml")):
+        if entry.name.endswith(".toml"):
+            header = tomllib.loads(entry.read_text(encoding="utf-8"))["scene"]
+            found[entry.name.removesuffix(".toml")] = header["summary"]
+    return found
+
+
+def scene_text(name_or_path: str) -> tuple[str, str, Path]:
+    """TOML text of a built-in scene or file, the name to use in messages, and its folder."""
+    path = Path(name_or_path)
+    if name_or_path in scene_names():
+        return (
+            files("gearsim.scenes").joinpath(f"{name_or_path}.toml").read_text("utf-8"),
+            name_or_path,
+            Path(),
+        )
+    if path.suffix == ".toml" or path.is_file():
+        return read_input(path, "scene"), str(path), path.parent
+    near = get_close_matches(name_or_path, scene_names(), n=1, cutoff=0.4)
+    hint = f"; did you mean {near[0]!r}?" if near else "."
+    raise InputError(
+        f"no scene named {name_or_path!r}{hint} Built-in scenes: {', '.join(scene_names())}. "
+        "Or give the path of a .toml file."
+    )
+
+
+def load_scene(name_or_path: str | Path, overrides: Sequence[str] = ()) -> tuple[Scene, Path]:
+    """A scene by built-in name or path, with ``key=value`` overrides; and the folder its files are in.
+
+    Raises InputError that lists every mistake found.
+    """
+    text, label, folder = scene_text(str(name_or_path))
+    try:
+        data = tomllib.loads(text)
+    except tomllib.TOMLDecodeError as error:
+        raise InputError(f"scene {label}: not valid TOML: {error}") from error
+    for override in overrides:
+        _override(data, override)
+    return check_scene(data, label), folder
+
+
+def check_scene(data: dict[str, Any], label: str) -> Scene:
+    """Validate a scene given as nested tables. Raises InputError that lists every mistake found."""
+    model = _model(data, label)
+    try:
+        scene = model.model_validate(data)
+    except ValidationError as error:
+        raise _input_error(label, [_explain(e, data, model) for e in error.errors()]) from None
+    problems = []
+    for build in scene.builders():
+        try:
+            build()
+        except InputError as error:
+            problems.append(str(error))
+    if problems:
+        raise _input_error(label, problems)
+    return scene
+
+
+def _model(data: dict[str, Any], label: str) -> type[Scene]:
+    """The kind of scene, by the surface it wants."""
+    surface = data.get("surface")
+    kind = surface.get("kind") if isinstance(surface, dict) else None
+    if kind not in SCENES:
+        near = get_close_matches(str(kind), SCENES, n=1, cutoff=0.4)
+        hint = f"did you mean {near[0]!r}?" if near else f"there are {', '.join(SCENES)}"
+        raise _input_error(label, [f"surface.kind: {'missing' if kind is None else f'got {kind!r}'}; {hint}"])
+    return SCENES[kind]
+
+
+def _input_error(label: str, problems: list[str]) -> InputError:
+    count = "1 mistake" if len(problems) == 1 else f"{len(problems)} mistakes"
+    return InputError(f"scene {label}: {count}:" + "".join(f"\n  - {p}" for p in problems))
+
+
+def _override(data: dict[str, Any], override: str) -> None:
+    """Apply one ``table.key=value`` to the tables; the value is read as TOML, else as a string."""
+    key, equals, value = override.partition("=")
+    parts = key.strip().split(".")
+    if not equals or len(parts) < 2:
+        raise InputError(f"--set {override}: expected table.key=value, for instance metrology.rows=9")
+    try:
+        parsed = tomllib.loads(f"value = {value}")["value"]
+    except tomllib.TOMLDecodeError:
+        parsed = value
+    table = data
+    for part in parts[:-1]:
+        table = table.setdefault(part, {})
+        if not isinstance(table, dict):
+            raise InputError(f"--set {override}: {part!r} is a value, not a table")
+    table[parts[-1]] = parsed
+
+
+def _explain(error: Any, data: dict[str, Any], model: type[Scene]) -> str:
+    """One validation error in words: the field, what came, what would be right."""
+    where = _without_tags(error["loc"], data)
+    field = ".".join(str(p) for p in where)
+    kind, got, context = error["type"], error["input"], error.get("ctx", {})
+    if kind == "extra_forbidden":
+        known = list(_table_at(where[:-1], data, model).model_fields)
+        near = get_close_matches(str(where[-1]), known, n=1, cutoff=0.3)
+        return f"{field}: unknown key" + (f"; did you mean {near[0]!r}?" if near else f"; known: {', '.join(known)}")
+    if kind == "missing":
+        return f"{field}: missing"
+    if kind == "union_tag_invalid":
+        return f"{field}.kind: got {context['tag']}; expected {context['expected_tags']}"
+    if kind == "union_tag_not_found":
+        return f"{field}.kind: missing; it says which tool, motion or machine the table describes"
+    if kind == "value_error":
+        return f"{field}: {context['error']}"
+    return f"{field}: got {got!r}; {error['msg'][0].lower()}{error['msg'][1:]}" + _unit_hint(field, got)
+
+
+def _without_tags(where: Sequence[Any], data: Any) -> list[Any]:
+    """The place of an error as it stands in the file: the validator names a table's kind as if it were a key."""
+    out: list[Any] = []
+    for part in where:
+        if isinstance(data, dict) and part == data.get("kind") and part not in data:
+            continue
+        out.append(part)
+        if isinstance(data, dict):
+            data = data.get(part)
+        elif isinstance(data, list) and isinstance(part, int) and part < len(data):
+            data = data[part]
+    return out
+
+
+def _table_at(where: Sequence[Any], data: Any, table: type[Table]) -> type[Table]:
+    """The table that a place in a scene must follow."""
+    for part in where:
+        data = data[part]
+        if isinstance(part, str):
+            choices = _tables_in(table.model_fields[part].annotation)
+            kind = data.get("kind") if isinstance(data, dict) else None
+            table = next((c for c in choices if kind in get_args(_kind_of(c))), choices[0])
+    return table
+
+
+def _kind_of(table: type[Table]) -> Any:
+    return table.model_fields["kind"].annotation if "kind" in table.model_fields else None
+
+
+def _tables_in(annotation: Any) -> list[type[Table]]:
+    """The tables a field's annotation allows."""
+    if isinstance(annotation, type) and issubclass(annotation, Table):
+        return [annotation]
+    return [t for a in get_args(annotation) for t in _tables_in(a)]
+
+
+def _unit_hint(field: str, got: Any) -> str:
+    """A remark where a value looks as if it were in another unit."""
+    if not isinstance(got, int | float) or isinstance(got, bool):
+        return ""
+    if field.endswith("_deg") and 0.0 < got < 1.6:
+        return f" (angles are in degrees; {got:g} rad would be {degrees(got):.4g})"
+    if field.endswith("_mm") and got >= 1e5:
+        return f" (lengths are in mm; {got:g} um would be {got / 1e3:g})"
+    return ""
+
+
+def scene_table(scene: Scene) -> dict[str, Any]:
+    """The scene as nested plain tables, defaults filled in, as it goes into the report."""
+    return scene.model_dump(exclude_none=True)
