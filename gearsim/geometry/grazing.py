@@ -6,6 +6,10 @@ vector u; its normal is nr u + nz l. The envelope condition, normal . velocity =
 with tip velocity p' and axis velocity l'. For nr != 0, g is nr times the velocity of the effective centre
 q = tip + (z - r nz/nr) l of Zhou 2015 (2.20, 2.33); the form used here also serves the flat disc, whose
 effective radius is infinite. It has two solutions, the branches: the sign of u . (l x g).
+
+Where g has no part across the axis the circle has no grazing point of its own: it moves along the axis
+or stands still (a spinning tool), so that none of its points grazes, or all of them at once. The surface
+is then made by a profile edge or by the tool standing at the path's ends.
 """
 
 from __future__ import annotations
@@ -16,6 +20,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gearsim.geometry.jets import Curvature, weingarten_curvature
+
+# A circle whose centre moves less than this [mm] in a unit of the motion's parameter stands still; one that
+# moves across its axis by less than this share of its way moves along it.
+AT_REST = 1e-12
+PARALLEL = 1e-12
 
 
 class MeridianPoints(NamedTuple):
@@ -47,7 +56,8 @@ class Grazing(NamedTuple):
     """Grazing points X(s, t) [mm], shape (n, 3): s the profile's arc length, t the motion's parameter.
 
     ``normal`` points out of the tool, so into the gear; ``exists``, shape (n,), is False where the
-    direction of motion is too steep for the profile's angle (Zhou 2.24), and the rest is nan there.
+    direction of motion is too steep for the profile's angle (Zhou 2.24), where it is along the axis and where
+    the circle stands still; the rest is nan there.
     """
 
     exists: NDArray
@@ -74,6 +84,9 @@ def grazing_points(pose: PoseJet, meridian: MeridianPoints, branch: NDArray) -> 
     along = _dot(pose.axis, g)
     flat = g - along * pose.axis
     size2 = _dot(flat, flat)
+    speed2 = size2 + along * along
+    moves = (size2 > PARALLEL**2 * speed2) & (speed2 > AT_REST**2)
+    size2 = np.where(moves & (size2 >= b * b), size2, np.nan)
     with np.errstate(invalid="ignore", divide="ignore"):
         side = np.cross(pose.axis, flat)
         root = np.sqrt(size2 - b * b)
@@ -87,7 +100,7 @@ def grazing_points(pose: PoseJet, meridian: MeridianPoints, branch: NDArray) -> 
         tilt = _dot(u, pose.axis_rate)
         u_t = (tilt * along - _dot(u, g_t) - b_t) / across * w - tilt * pose.axis
     return Grazing(
-        np.isfinite(root[:, 0]) & (size2[:, 0] > 0.0),
+        np.isfinite(size2[:, 0]),
         pose.tip + z * pose.axis + r * u,
         nr * u + nz * pose.axis,
         nr * pose.axis - nz * u + r * u_s,
