@@ -135,7 +135,7 @@ def _measure_side(job: Job, machine: MeasuringMachine, side: Side) -> FlankResul
     others = [t for i, t in enumerate(job.path_tables) if i not in own]
     blank = job.tooth.blank
     plan = FlankPlan(
-        side=side,
+        patch=patch,
         grid=grid,
         inspection=inspection,
         contact_height=float(blank.mid_working_depth_at(blank.mean)),
@@ -154,7 +154,7 @@ def _convergence(job: Job, machine: MeasuringMachine, side: Side, grid: SampleGr
         return None
     planner = job.planners[side]
     return measure_convergence(
-        machine, grid, job.theory[side].table, lambda n: job.compiled(planner.cl_motion(n)), points
+        machine, grid.rays(), job.theory[side].table, lambda n: job.compiled(planner.cl_motion(n)), points
     )
 
 

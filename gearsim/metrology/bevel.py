@@ -16,7 +16,7 @@ from gearsim.metrology.samples import SampleGrid, profile_rays, sample_grid
 from gearsim.metrology.topography import Topography, topography
 from gearsim.motion.segments import SegmentTable
 from gearsim.motion.sources import MotionSource
-from gearsim.surfaces.ruled_bevel import RuledBevelTooth, Side
+from gearsim.surfaces.ruled_bevel import RuledBevelTooth, Side, ToothPatch
 
 
 @dataclass(frozen=True)
@@ -35,7 +35,7 @@ class FlankPlan:
     pass as CL data, ``program`` the whole program, ``others`` all of it but the own pass (None: nothing).
     """
 
-    side: Side
+    patch: ToothPatch
     grid: SampleGrid
     inspection: SampleGrid
     contact_height: float
@@ -48,7 +48,7 @@ class FlankPlan:
 
 @dataclass(frozen=True)
 class Convergence:
-    """Largest change of the deviation [um] from the theoretical motion to CL data of N points."""
+    """Largest change of the deviation [um] from the theoretical motion to one given by N points."""
 
     points: tuple[int, ...]
     worst_um: tuple[float, ...]
@@ -98,7 +98,7 @@ class PatchResult:
 def measure_flank(machine: MeasuringMachine, plan: FlankPlan, convergence: Convergence | None) -> FlankResult:
     """Measure one flank by both roads."""
     grid, inspection = plan.grid, plan.inspection
-    lines = profile_rays(grid.patch, plan.profile_offsets, plan.contact_height)
+    lines = profile_rays(plan.patch, plan.profile_offsets, plan.contact_height)
     finest = plan.theory or plan.cl
     dense, coarse, normal, in_plane = machine.measure([grid.rays(), inspection.rays(), *lines], finest.table)
     finest_dense, finest_coarse = dense.reshaped(grid.shape), coarse.reshaped(inspection.shape)
@@ -113,7 +113,7 @@ def measure_flank(machine: MeasuringMachine, plan: FlankPlan, convergence: Conve
     names = [f"L{i}" for i in range(len(plan.profile_offsets))]
     on_inspection = [(plan.cl, cl_coarse)] + ([(plan.theory, finest_coarse)] if plan.theory else [])
     return FlankResult(
-        side=plan.side,
+        side=plan.patch.side,
         grid=grid,
         inspection=inspection,
         own=finest_dense if plan.theory else None,
@@ -142,13 +142,12 @@ def _on_grids(machine: MeasuringMachine, table: SegmentTable, *grids: SampleGrid
 
 
 def measure_convergence(
-    machine: MeasuringMachine, grid: SampleGrid, theory: SegmentTable,
-    cl_table: Callable[[int], SegmentTable], points: Sequence[int],
+    machine: MeasuringMachine, rays: RayBundle, theory: SegmentTable,
+    table: Callable[[int], SegmentTable], points: Sequence[int],
 ) -> Convergence:  # fmt: skip
-    """How the deviation under CL data of N points approaches that of the theoretical motion."""
-    rays: list[RayBundle] = [grid.rays()]
-    exact = machine.measure(rays, theory)[0].value
-    worst = [float(np.nanmax(1e3 * np.abs(machine.measure(rays, cl_table(n))[0].value - exact))) for n in points]
+    """How the deviation under a motion of N points approaches that of the theoretical motion."""
+    exact = machine.measure([rays], theory)[0].value
+    worst = [float(np.nanmax(1e3 * np.abs(machine.measure([rays], table(n))[0].value - exact))) for n in points]
     return Convergence(tuple(points), tuple(worst))
 
 

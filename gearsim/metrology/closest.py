@@ -7,6 +7,7 @@ from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
 from gearsim.metrology.samples import SampleGrid
+from gearsim.surfaces.patch import Jet
 
 _STEPS = 20
 _SETTLED = 1e-12
@@ -27,9 +28,9 @@ def signed_distance(grid: SampleGrid, points: NDArray) -> tuple[NDArray, NDArray
         jet = patch.jet(phi[live], v[live])
         miss = jet.r - points[live]
         g1, g2 = _dot(miss, jet.ru), _dot(miss, jet.rv)
-        a = _dot(jet.ru, jet.ru) + _dot(miss, jet.ruu)
-        b = _dot(jet.ru, jet.rv) + _dot(miss, jet.ruv)
-        c = _dot(jet.rv, jet.rv) + _dot(miss, jet.rvv)
+        height = _dot(miss, jet.normal)
+        second = jet.second_form()
+        a, b, c = (_dot(p, q) + height * s for (p, q), s in zip(_pairs(jet), second, strict=True))
         det = a * c - b * b
         dphi, dv = (b * g2 - c * g1) / det, (b * g1 - a * g2) / det
         phi[live] += dphi
@@ -42,6 +43,10 @@ def signed_distance(grid: SampleGrid, points: NDArray) -> tuple[NDArray, NDArray
     distance = _dot(points - jet.r, jet.normal)
     inside = (step < 1e-9) & _between(phi, grid.phi) & _between(v, grid.v)
     return np.where(inside, distance, np.nan), phi, v
+
+
+def _pairs(jet: Jet) -> list[tuple[NDArray, NDArray]]:
+    return [(jet.ru, jet.ru), (jet.ru, jet.rv), (jet.rv, jet.rv)]
 
 
 def _between(values: NDArray, limits: NDArray) -> NDArray:

@@ -22,15 +22,15 @@ class Finding:
     """``depth_um`` (negative: cut into the tooth; positive: material left; None: a collision, whatever its
     depth) at ``place_mm``, gear frame.
 
-    ``fails``: beyond the scene's tolerance.
+    Cone distance and height above the root are None off a gear blank. ``fails``: beyond the scene's tolerance.
     """
 
     kind: str
     patch: str
     depth_um: float | None
     place_mm: tuple[float, float, float]
-    cone_distance_mm: float
-    height_mm: float
+    cone_distance_mm: float | None
+    height_mm: float | None
     fails: bool
     text: str
 
@@ -56,7 +56,7 @@ def rapid_findings(dexels: DexelResult, grid: SampleGrid, rapid: NDArray) -> lis
         hit = np.flatnonzero(rapid[segment])
         if len(hit):
             text = f"rapid moves cut the blank ({len(hit)} dexel ends)"
-            return [_place("rapid_cut", "blank", grid.patch.tooth.blank, points[hit[0]], None, True, text)]
+            return [_place("rapid_cut", "blank", grid.patch.blank, points[hit[0]], None, True, text)]
     return []
 
 
@@ -110,19 +110,21 @@ def _height(deviation: Deviation, grid: SampleGrid) -> NDArray:
 
 
 def _where(grid: SampleGrid) -> str:
-    return "bottom land" if grid.patch.part == "bottom" else grid.patch.name
+    return "bottom land" if grid.patch.name == "bottom" else grid.patch.name
 
 
 def _finding(kind: str, grid: SampleGrid, i: int, depth_um: float, tolerance_um: float, text: str) -> Finding:
     point = grid.point.reshape(-1, 3)[i]
     fails = abs(depth_um) > tolerance_um
-    return _place(kind, grid.patch.name, grid.patch.tooth.blank, point, depth_um, fails, text)
+    return _place(kind, grid.patch.name, grid.patch.blank, point, depth_um, fails, text)
 
 
 def _place(
-    kind: str, patch: str, blank: BevelBlank, point: NDArray, depth_um: float | None, fails: bool, text: str
+    kind: str, patch: str, blank: BevelBlank | None, point: NDArray, depth_um: float | None, fails: bool, text: str
 ) -> Finding:
-    cone, height = blank.cone_height(point)
     x, y, z = (float(c) for c in point)
+    if blank is None:
+        return Finding(kind, patch, depth_um, (x, y, z), None, None, fails, text)
+    cone, height = blank.cone_height(point)
     above_root = float(height + blank.dedendum_at(cone))
     return Finding(kind, patch, depth_um, (x, y, z), float(cone), above_root, fails, text)

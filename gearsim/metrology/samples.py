@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gearsim.geometry.rays import RayBundle
+from gearsim.surfaces.patch import Patch
 from gearsim.surfaces.ruled_bevel import ToothPatch
 
 
@@ -15,13 +16,13 @@ from gearsim.surfaces.ruled_bevel import ToothPatch
 class SampleGrid:
     """Points of one patch on a grid: rows from root to tip, columns from toe to heel.
 
-    ``length`` (columns,) and ``height`` (rows,) are the fractions of ToothPatch.locate; ``phi``, ``v``
+    ``length`` (columns,) and ``height`` (rows,) are the fractions of Patch.locate; ``phi``, ``v``
     (rows, columns) the surface parameters; ``point`` [mm] and ``normal`` (out of the material), shape
-    (rows, columns, 3); ``inward``, ``outward`` [mm], shape (rows, columns), the measuring window: half
-    the tooth's thickness, and half the slot's width or what the blank leaves of it.
+    (rows, columns, 3), nan where there is no surface; ``inward``, ``outward`` [mm], shape (rows, columns),
+    the measuring window: on a tooth half its thickness, and half the slot's width or what the blank leaves.
     """
 
-    patch: ToothPatch
+    patch: Patch
     length: NDArray[np.floating]
     height: NDArray[np.floating]
     phi: NDArray[np.floating]
@@ -43,7 +44,7 @@ class SampleGrid:
         )
 
 
-def sample_grid(patch: ToothPatch, rows: int, columns: int, margin: float = 0.0, window: float = 1.0) -> SampleGrid:
+def sample_grid(patch: Patch, rows: int, columns: int, margin: float = 0.0, window: float = 1.0) -> SampleGrid:
     """A grid of ``rows`` x ``columns`` points that leaves ``margin`` (a fraction) free at every edge.
 
     ``window`` scales the measuring windows.
@@ -60,15 +61,17 @@ def sample_grid(patch: ToothPatch, rows: int, columns: int, margin: float = 0.0,
     )  # fmt: skip
 
 
-def window_rays(patch: ToothPatch, phi: NDArray, v: NDArray, direction: NDArray, window: float = 1.0) -> RayBundle:
+def window_rays(patch: Patch, phi: NDArray, v: NDArray, direction: NDArray, window: float = 1.0) -> RayBundle:
     """Rays from points of a patch, shape (n,) parameters, with their measuring windows.
 
-    Inward half the tooth, outward half the slot, both times ``window``, but not past the blank's surface:
-    beyond it there was never any material to leave.
+    The patch's windows times ``window``, but not past the stock's surface: beyond it there was never any
+    material to leave.
     """
     origin = patch.jet(phi, v).r
     inward, outward = (window * w for w in patch.windows(phi, v))
-    ray, start, end = patch.tooth.blank.stock.chords(origin, direction)
+    if patch.blank is None:
+        return RayBundle(origin, direction, -inward, outward)
+    ray, start, end = patch.blank.stock.chords(origin, direction)
     holds = (start <= 0.0) & (end > 0.0)
     outward[ray[holds]] = np.minimum(outward[ray[holds]], end[holds])
     return RayBundle(origin, direction, -inward, outward)

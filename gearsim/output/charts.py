@@ -64,7 +64,8 @@ def _pyplot() -> Any:
 def _heat_map(figure: Any, axis: Axes, flank: FlankResult, deviation: Deviation, what: str) -> None:
     """A map of one flank; the contours are of the map averaged along the face, or CL steps would fill it."""
     um = 1e3 * deviation.value
-    length = flank.grid.length * flank.grid.patch.tooth.blank.face_width
+    blank = flank.grid.patch.blank
+    length = flank.grid.length * (blank.face_width if blank else 1.0)
     limit = _largest(um)
     image = axis.pcolormesh(length, flank.grid.height, um, cmap="RdBu_r", vmin=-limit, vmax=limit, shading="gouraud")
     smooth = gaussian_filter1d(um, um.shape[1] / 40.0, axis=1, mode="nearest")

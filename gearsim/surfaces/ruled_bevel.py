@@ -172,6 +172,11 @@ class ToothPatch:
         return {"flank": self.side, "fillet": f"{self.side} fillet", "bottom": "bottom"}[self.part]
 
     @property
+    def blank(self) -> BevelBlank:
+        """The gear blank the tooth is cut into."""
+        return self.tooth.blank
+
+    @property
     def start(self) -> float:
         """The v [mm or rad] at which the patch begins."""
         return {"flank": self.tooth.fillet_height, "fillet": 0.0, "bottom": -self.tooth.bottom_half_width}[self.part]

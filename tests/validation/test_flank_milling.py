@@ -128,7 +128,7 @@ def test_cl_data_converge_to_the_continuous_path_with_second_order(tooth, fittin
     path = FlankPath(tooth, side, fitting_cutter, 8.0)
     reach = fitting_cutter.reach
     result = measure_convergence(
-        machine(fitting_cutter), sample_grid(tooth.flank(side), 5, 41), compile_motion(path.motion, reach),
+        machine(fitting_cutter), sample_grid(tooth.flank(side), 5, 41).rays(), compile_motion(path.motion, reach),
         lambda n: compile_motion(path.cl_motion(n), reach), [9, 17, 33, 65],
     )  # fmt: skip
     assert np.allclose(result.orders, 2.0, atol=0.1)
