@@ -1,147 +1,118 @@
 """A cutter's meridian in the (r, z) half plane: an ordered chain of lines and arcs with their normals.
 
-The chain runs from the axis at the tip, outward and up, back to the axis at the top; the material of the
-tool lies on its left. Tool frame: origin at the tip, +z away from it. Lengths in mm.
+The chain runs from the axis at the tip, outward and up, back to the axis at the top; that of a ring (the
+head of a face mill) is closed and does not touch the axis. The material lies on its left. Tool frame:
+origin at the tip, +z away from it. Lengths in mm.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
 
+from gearsim.cutters.checks import CORNER, joints, problem, turn
+from gearsim.cutters.element import Element
 from gearsim.errors import InputError
 from gearsim.geometry.grazing import MeridianPoints
 
+__all__ = ["Element", "Profile"]
 
-@dataclass(frozen=True)
-class Element:
-    """A line (``radius`` 0) or a convex arc from ``start`` to ``end``, both (r, z) [mm]."""
-
-    start: tuple[float, float]
-    end: tuple[float, float]
-    centre: tuple[float, float] = (0.0, 0.0)
-    radius: float = 0.0
-
-    @property
-    def is_arc(self) -> bool:
-        return self.radius > 0.0
-
-    @property
-    def is_flat(self) -> bool:
-        """A disc normal to the axis, whose effective radius r/nr is infinite."""
-        return not self.is_arc and self.start[1] == self.end[1]
-
-    @property
-    def angles(self) -> tuple[float, float]:
-        """An arc's first and last normal, as angles [rad] from the radial direction, up."""
-        (r0, z0), (r1, z1), (rc, zc) = self.start, self.end, self.centre
-        first, last = np.arctan2(z0 - zc, r0 - rc), np.arctan2(z1 - zc, r1 - rc)
-        return float(first), float(last)
-
-    @property
-    def length(self) -> float:
-        """Arc length [mm]."""
-        if self.is_arc:
-            first, last = self.angles
-            return self.radius * (last - first)
-        return float(np.hypot(self.end[0] - self.start[0], self.end[1] - self.start[1]))
-
-    def at(self, s: NDArray) -> MeridianPoints:
-        """Points at arc lengths s [mm] from the element's start; s beyond its ends extends it smoothly."""
-        s = np.asarray(s, dtype=float)
-        if self.is_arc:
-            angle = self.angles[0] + s / self.radius
-            nr, nz = np.cos(angle), np.sin(angle)
-            r, z = self.centre[0] + self.radius * nr, self.centre[1] + self.radius * nz
-            return MeridianPoints(r, z, nr, nz, np.full(s.shape, 1.0 / self.radius))
-        tr, tz = self._tangent
-        constant = np.ones(s.shape)
-        return MeridianPoints(self.start[0] + tr * s, self.start[1] + tz * s, tz * constant, -tr * constant, 0.0 * s)
-
-    @property
-    def _tangent(self) -> tuple[float, float]:
-        return (self.end[0] - self.start[0]) / self.length, (self.end[1] - self.start[1]) / self.length
-
-    def nearest(self, r: NDArray, z: NDArray) -> tuple[NDArray, NDArray, NDArray, NDArray]:
-        """The element's points nearest to (r, z) and the normals there: (pr, pz, nr, nz)."""
-        if not self.is_arc:
-            tr, tz = self._tangent
-            s = np.clip((r - self.start[0]) * tr + (z - self.start[1]) * tz, 0.0, self.length)
-            return self.start[0] + s * tr, self.start[1] + s * tz, np.full(r.shape, tz), np.full(r.shape, -tr)
-        dr, dz = r - self.centre[0], z - self.centre[1]
-        size = np.maximum(np.hypot(dr, dz), 1e-300)
-        nr, nz = dr / size, dz / size
-        first, last = self.angles
-        middle, half = 0.5 * (first + last), 0.5 * (last - first)
-        beyond = nr * np.cos(middle) + nz * np.sin(middle) < np.cos(half)
-        end = np.where(nz * np.cos(middle) - nr * np.sin(middle) < 0.0, first, last)
-        nr, nz = np.where(beyond, np.cos(end), nr), np.where(beyond, np.sin(end), nz)
-        return self.centre[0] + self.radius * nr, self.centre[1] + self.radius * nz, nr, nz
+_ON_AXIS = 1e-9
 
 
 @dataclass(frozen=True)
 class Profile:
-    """A convex cutter as a chain of elements; build one with the functions of the catalogue."""
+    """A cutter as a chain of elements; build one with the functions of the catalogue.
+
+    Reentrant corners (undercut tools: lollipop, T-slot, dovetail) are allowed where the chain rises all
+    along; concave arcs are not. Raises InputError for what no cutter can be.
+    """
 
     name: str
     elements: tuple[Element, ...]
 
     def __post_init__(self) -> None:
-        if not self.elements:
-            raise InputError(f"cutter {self.name!r} has an empty profile")
-        for a, b in zip(self.elements, self.elements[1:], strict=False):
-            if np.hypot(a.end[0] - b.start[0], a.end[1] - b.start[1]) > 1e-9:
-                raise InputError(f"cutter {self.name!r}: the profile has a gap between {a.end} and {b.start}")
-        for e in self.elements:
-            if min(e.start[0], e.end[0]) < -1e-12 or e.length <= 0.0:
-                raise InputError(f"cutter {self.name!r}: profile element {e.start} to {e.end} is empty or r < 0")
-        turns = [self._turn(a, b) for a, b in zip(self.elements, self.elements[1:], strict=False)]
-        if min(turns, default=0.0) < -1e-9:
-            raise InputError(f"cutter {self.name!r}: the profile is not convex; only convex cutters are supported")
+        wrong = problem(self.elements, bool(self.elements) and self.is_ring)
+        if wrong:
+            raise InputError(f"cutter {self.name!r}: {wrong}")
 
-    @staticmethod
-    def _turn(a: Element, b: Element) -> float:
-        before, after = a.at(np.array(a.length)), b.at(np.array(0.0))
-        return float(before.nr * after.nz - before.nz * after.nr)
+    @cached_property
+    def is_ring(self) -> bool:
+        """Whether the chain is closed and leaves a hole around the axis."""
+        first, last = self.elements[0].start, self.elements[-1].end
+        return bool(np.hypot(first[0] - last[0], first[1] - last[1]) <= _ON_AXIS) and first[0] > _ON_AXIS
+
+    @cached_property
+    def is_convex(self) -> bool:
+        """Whether the whole tool is a convex body."""
+        return not self.is_ring and not self._reentrant
+
+    @cached_property
+    def _reentrant(self) -> list[int]:
+        pairs = enumerate(joints(self.elements, self.is_ring))
+        return [i for i, (a, b) in pairs if turn(a, b) < -CORNER]
+
+    @cached_property
+    def parts(self) -> tuple[Profile, ...]:
+        """Convex cutters whose union is the tool, from the tip up, overlapping; a convex one or a ring itself."""
+        if not self._reentrant:
+            return (self,)
+        cuts = [0, *(i + 1 for i in self._reentrant), len(self.elements)]
+        runs = [list(self.elements[a:b]) for a, b in pairwise(cuts)]
+        bodies = [_closed(self.name, run) for run in runs]
+        longer = [list(run) for run in runs]
+        for k in range(len(runs) - 1):
+            below, above = runs[k][-1], runs[k + 1][0]
+            if _rise(above, 0.0) >= _rise(below, below.length):
+                longer[k + 1] = _prolonged_down(longer[k + 1], bodies[k])
+            else:
+                longer[k] = _prolonged_up(longer[k], bodies[k + 1])
+        return tuple(_closed(f"{self.name}, part {k + 1}", run) for k, run in enumerate(longer))
+
+    @cached_property
+    def box(self) -> tuple[float, float, float, float]:
+        """Smallest and largest r, smallest and largest z [mm]."""
+        boxes = np.array([e.box for e in self.elements])
+        low, high = boxes.min(axis=0), boxes.max(axis=0)
+        return float(low[0]), float(high[1]), float(low[2]), float(high[3])
 
     @property
     def height(self) -> float:
-        """Length of the tool along its axis [mm]."""
-        return max(e.end[1] for e in self.elements)
+        """Height of the tool's top over its tip [mm]."""
+        return self.box[3]
 
     @property
     def max_radius(self) -> float:
         """Largest radius [mm]."""
-        return max(self.element_radius(e) for e in self.elements)
+        return self.box[1]
+
+    @property
+    def min_radius(self) -> float:
+        """Smallest radius [mm]: that of a ring's hole, else 0."""
+        return self.box[0]
 
     @staticmethod
     def element_radius(e: Element) -> float:
         """Largest radius [mm] on one element."""
-        ends = max(e.start[0], e.end[0])
-        if e.is_arc and e.angles[0] < 0.0 < e.angles[1]:
-            return e.centre[0] + e.radius
-        return ends
+        return e.box[1]
 
     @property
     def reach(self) -> float:
         """Largest distance of any tool point from the tip [mm], from above."""
-        return float(np.hypot(self.height, self.max_radius))
+        return float(np.hypot(max(self.box[3], -self.box[2]), self.max_radius))
 
     def radius_at(self, z: float) -> float:
-        """Radius [mm] of the tool at height z [mm]."""
-        if not 0.0 <= z <= self.height:
-            raise InputError(f"cutter {self.name!r} has no section at z = {z:g} mm (0 to {self.height:g} mm)")
-        radii = []
-        for e in self.elements:
-            if not e.is_flat and e.start[1] <= z <= e.end[1]:
-                if e.is_arc:
-                    radii.append(e.centre[0] + np.sqrt(max(e.radius**2 - (z - e.centre[1]) ** 2, 0.0)))
-                else:
-                    radii.append(np.interp(z, [e.start[1], e.end[1]], [e.start[0], e.end[0]]))
-        return float(max(radii))
+        """Largest radius [mm] of the tool at height z [mm]; raises InputError beyond its ends."""
+        if not self.box[2] <= z <= self.height:
+            raise InputError(
+                f"cutter {self.name!r} has no section at z = {z:g} mm ({self.box[2]:g} to {self.height:g} mm)"
+            )
+        level = [max(e.start[0], e.end[0]) for e in self.elements if e.is_flat and e.start[1] == z]
+        return max([r for e in self.elements for r in e.radii_at(z)] + level)
 
     @cached_property
     def flank(self) -> int:
@@ -156,9 +127,9 @@ class Profile:
 
     @cached_property
     def edges(self) -> tuple[int, ...]:
-        """Joints, named by the element before them, where the normal jumps: sharp circles of the tool."""
-        pairs = enumerate(zip(self.elements, self.elements[1:], strict=False))
-        return tuple(i for i, (a, b) in pairs if self._turn(a, b) > 1e-9)
+        """Convex joints, named by the element before them, where the normal jumps: sharp circles that can cut."""
+        pairs = enumerate(joints(self.elements, self.is_ring))
+        return tuple(i for i, (a, b) in pairs if turn(a, b) > CORNER)
 
     def at(self, element: NDArray, s: NDArray) -> MeridianPoints:
         """Points at arc lengths s [mm] of the elements with the given indices, both shape (n,)."""
@@ -171,22 +142,23 @@ class Profile:
     def distance_gradient(self, r: NDArray, z: NDArray) -> tuple[NDArray, NDArray, NDArray]:
         """Signed distance [mm] of points (r >= 0, z), any shape, negative inside, and its gradient (nr, nz).
 
-        The nearest element rules; at a sharp edge, seen from outside, the gradient points from the edge.
+        The nearest element rules; of two that meet in the nearest corner, the one seen more squarely. At a
+        sharp edge, seen from outside, the gradient points from the edge; at a reentrant one, from inside, to it.
         """
         r, z = np.broadcast_arrays(np.asarray(r, dtype=float), np.asarray(z, dtype=float))
-        best = np.full(r.shape, np.inf)
+        best, square = np.full(r.shape, np.inf), np.zeros(r.shape)
         distance, nr, nz = np.empty(r.shape), np.empty(r.shape), np.empty(r.shape)
         for e in self.elements:
             pr, pz, mr, mz = e.nearest(r, z)
             dr, dz = r - pr, z - pz
-            gap2 = dr * dr + dz * dz
-            inward = dr * mr + dz * mz <= 0.0
-            take = (gap2 < best) | ((gap2 == best) & ~inward)
-            best[take] = gap2[take]
-            gap = np.sqrt(gap2[take])
-            distance[take] = np.where(inward[take], -gap, gap)
-            apart = ~inward[take] & (gap > 1e-9)
-            scale = 1.0 / np.where(apart, gap, 1.0)
+            gap, along = np.sqrt(dr * dr + dz * dz), dr * mr + dz * mz
+            tie = 1e-12 * (1.0 + gap)
+            take = (gap < best - tie) | ((gap <= best + tie) & (np.abs(along) > square))
+            best[take], square[take] = gap[take], np.abs(along[take])
+            side = np.where(along[take] > 0.0, 1.0, -1.0)
+            distance[take] = side * gap[take]
+            apart = gap[take] > 1e-9
+            scale = side / np.where(apart, gap[take], 1.0)
             nr[take] = np.where(apart, dr[take] * scale, mr[take])
             nz[take] = np.where(apart, dz[take] * scale, mz[take])
         return distance, nr, nz
@@ -194,3 +166,48 @@ class Profile:
     def signed_distance(self, r: NDArray, z: NDArray) -> NDArray:
         """Signed distance [mm] of points (r >= 0, z), any shape, to the tool: negative inside."""
         return self.distance_gradient(r, z)[0]
+
+
+def _rise(e: Element, s: float) -> float:
+    """How steeply an element rises along the axis at arc length s: 1 parallel to it, 0 level."""
+    return float(e.at(np.array(s)).nr)
+
+
+def _closed(name: str, run: list[Element]) -> Profile:
+    """The body of a rising run of elements, closed by discs."""
+    (r0, z0), (r1, z1) = run[0].start, run[-1].end
+    bottom = [Element((0.0, z0), (r0, z0))] if r0 > _ON_AXIS else []
+    top = [Element((r1, z1), (0.0, z1))] if r1 > _ON_AXIS else []
+    return Profile(name, (*bottom, *run, *top))
+
+
+def _prolonged_down(run: list[Element], body: Profile) -> list[Element]:
+    """A run prolonged straight below its start, as far as that stays within the body beneath."""
+    p = run[0].at(np.array(0.0))
+    start = _last_inside(body, run[0].start, (float(p.nz), -float(p.nr)))
+    if run[0].is_arc:
+        return [Element(start, run[0].start), *run]
+    return [Element(start, run[0].end), *run[1:]]
+
+
+def _prolonged_up(run: list[Element], body: Profile) -> list[Element]:
+    """A run prolonged straight above its end, as far as that stays within the body above."""
+    p = run[-1].at(np.array(run[-1].length))
+    end = _last_inside(body, run[-1].end, (-float(p.nz), float(p.nr)))
+    if run[-1].is_arc:
+        return [*run, Element(run[-1].end, end)]
+    return [*run[:-1], Element(run[-1].start, end)]
+
+
+def _last_inside(body: Profile, start: tuple[float, float], way: tuple[float, float]) -> tuple[float, float]:
+    """The last point on the way from a corner of a convex body that lies in it and not beyond the axis."""
+    inside, outside = 0.0, 2.0 * body.reach
+    for _ in range(60):
+        middle = 0.5 * (inside + outside)
+        r, z = start[0] + middle * way[0], start[1] + middle * way[1]
+        if r >= 0.0 and body.signed_distance(np.array(r), np.array(z)) <= 1e-12:
+            inside = middle
+        else:
+            outside = middle
+    r, z = start[0] + inside * way[0], start[1] + inside * way[1]
+    return (0.0, z) if r <= _ON_AXIS else (r, z)
