@@ -13,11 +13,12 @@ from gearsim.simulation.intervals import IntervalSet
 
 
 class Crossing(IntEnum):
-    """What a ray met inside its window."""
+    """What a ray met inside its window; ABSENT: there is no surface to measure and no ray was sent."""
 
     MEASURED = 0
     UNCUT = 1
     THROUGH = 2
+    ABSENT = 3
 
 
 @dataclass(frozen=True)

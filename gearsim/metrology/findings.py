@@ -12,6 +12,7 @@ from gearsim.metrology.bevel import FlankResult, PatchResult
 from gearsim.metrology.deviation import Crossing, Deviation
 from gearsim.metrology.dexel_check import DexelResult
 from gearsim.metrology.samples import SampleGrid
+from gearsim.metrology.surface import SurfaceResult
 from gearsim.surfaces.blank import BevelBlank
 
 _SEEN_MM = 1e-5
@@ -43,7 +44,8 @@ def flank_findings(flank: FlankResult, tolerance_um: float) -> list[Finding]:
         if worst is not None:
             text = f"another pass cuts the {flank.side} flank beyond its intended surface"
             found.append(_finding("cross_cut", flank.grid, *worst, tolerance_um, text))
-    return found + _out_of_tolerance(flank, tolerance_um)
+    what = f"the {flank.side} flank", "after all passes"
+    return found + _out_of_tolerance(flank.grid, flank.all_passes, tolerance_um, what)
 
 
 def rapid_findings(dexels: DexelResult, grid: SampleGrid, rapid: NDArray) -> list[Finding]:
@@ -78,21 +80,33 @@ def root_findings(patches: Sequence[PatchResult], tolerance_um: float) -> list[F
     return found
 
 
-def _out_of_tolerance(flank: FlankResult, tolerance_um: float) -> list[Finding]:
+def surface_findings(surface: SurfaceResult, judged: Sequence[str], tolerance_um: float) -> list[Finding]:
+    """What is out of tolerance on a generated surface under the judged motions."""
+    found: list[Finding] = []
+    for name in judged:
+        what = f"the {surface.grid.patch.name} surface", f"under the motion {name}"
+        found += _out_of_tolerance(surface.grid, surface.deviations[name], tolerance_um, what)
+    return found
+
+
+def _out_of_tolerance(
+    grid: SampleGrid, deviation: Deviation, tolerance_um: float, what: tuple[str, str]
+) -> list[Finding]:
+    """Samples without a measured value, and the largest value if it is beyond the tolerance."""
     found = []
-    crossing = flank.all_passes.crossing.ravel()
-    for kind, what in ((Crossing.UNCUT, "uncut"), (Crossing.THROUGH, "through")):
+    crossing = deviation.crossing.ravel()
+    for kind, state in ((Crossing.UNCUT, "uncut"), (Crossing.THROUGH, "through")):
         where = np.flatnonzero(crossing == kind)
         if len(where):
-            window = 1e3 * (flank.grid.outward if kind == Crossing.UNCUT else -flank.grid.inward).ravel()
+            window = 1e3 * (grid.outward if kind == Crossing.UNCUT else -grid.inward).ravel()
             i = int(where[np.argmax(np.abs(window[where]))])
-            text = f"{len(where)} samples of the {flank.side} flank are {what}: beyond the measuring window"
-            found.append(_finding(what, flank.grid, i, float(window[i]), 0.0, text))
-    um = np.where(np.isfinite(flank.all_passes.value), 1e3 * flank.all_passes.value, 0.0).ravel()
+            text = f"{len(where)} samples of {what[0]} are {state} {what[1]}: beyond the measuring window"
+            found.append(_finding(state, grid, i, float(window[i]), 0.0, text))
+    um = np.where(np.isfinite(deviation.value), 1e3 * deviation.value, 0.0).ravel()
     i = int(np.argmax(np.abs(um)))
     if abs(um[i]) > tolerance_um:
-        text = f"the {flank.side} flank is out of tolerance after all passes"
-        found.append(_finding("out_of_tolerance", flank.grid, i, float(um[i]), tolerance_um, text))
+        text = f"{what[0]} is out of tolerance {what[1]}"
+        found.append(_finding("out_of_tolerance", grid, i, float(um[i]), tolerance_um, text))
     return found
 
 

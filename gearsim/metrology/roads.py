@@ -19,9 +19,9 @@ LIMIT_UM = 1e-3
 
 @dataclass(frozen=True)
 class RoadGap:
-    """Envelope road against removal road on one flank's dense grid, under one motion.
+    """Envelope road against removal road along the same rays, under one motion.
 
-    ``gap_um`` (rows, columns) is nan where ``road`` found no class in the window: those samples are
+    ``gap_um`` (of the rays' shape) is nan where ``road`` found no class in the window: those samples are
     ``excluded``. ``disagree`` counts samples that one road cuts and the other does not.
     """
 
@@ -46,12 +46,15 @@ class RoadGap:
 
 def compare_roads(grid: SampleGrid, cutter: Profile, sources: Sequence[MotionSource], removal: Deviation) -> RoadGap:
     """Solve the envelope road along a grid's normals and compare it with the removal road's deviation."""
-    road = machined_along(grid.rays(), sources, cutter)
+    return road_gap(machined_along(grid.rays(), sources, cutter), removal)
+
+
+def road_gap(road: EnvelopeRoad, removal: Deviation) -> RoadGap:
+    """The envelope road against the removal road's deviations along the same rays."""
     gap = 1e3 * np.abs(road.deviation - removal.value.ravel())
-    measured = removal.measured.ravel()
     return RoadGap(
         road,
-        gap.reshape(grid.shape),
+        gap.reshape(removal.value.shape),
         int(np.count_nonzero(~road.valid)),
-        int(np.count_nonzero(road.valid != measured)),
+        int(np.count_nonzero(road.valid != removal.measured.ravel())),
     )
