@@ -3,15 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from importlib.metadata import version
 from pathlib import Path
-from platform import python_version
 from time import perf_counter
 from typing import Protocol
 
 import numpy as np
 
-import gearsim
 from gearsim.envelope import prepare_envelope
 from gearsim.errors import Status
 from gearsim.job import Job, plan
@@ -31,7 +28,7 @@ from gearsim.metrology.roads import LIMIT_UM
 from gearsim.metrology.samples import SampleGrid, sample_grid
 from gearsim.motion.segments import join
 from gearsim.programs.cldata import RAPID
-from gearsim.result import Result, Verdict
+from gearsim.result import GEAR_FRAME, FlankMillingResult, Result, Verdict, versions
 from gearsim.scene import FlankMillingScene, Scene, load_scene, scene_table
 from gearsim.simulation.removal import prepare
 from gearsim.surfaces.ruled_bevel import SIDES, Side
@@ -83,7 +80,7 @@ def run(
     return replace(result, timings_s={**timings, "total": perf_counter() - started})
 
 
-def _measure(job: Job, machine: MeasuringMachine, device: str) -> Result:
+def _measure(job: Job, machine: MeasuringMachine, device: str) -> FlankMillingResult:
     """Measure everything the report holds."""
     metrology = job.scene.metrology
     flanks = {side: _measure_side(job, machine, side) for side in SIDES}
@@ -99,7 +96,7 @@ def _measure(job: Job, machine: MeasuringMachine, device: str) -> Result:
     findings += rapid_findings(dexels, grids[0], rapid)
     findings += root_findings(list(root.values()), metrology.root_tolerance_um)
     verdict, status = _verdict(list(flanks.values()), dexels, findings)
-    return Result(
+    return FlankMillingResult(
         scene=scene_table(job.scene),
         device=device,
         tooth=job.tooth,
@@ -120,7 +117,8 @@ def _measure(job: Job, machine: MeasuringMachine, device: str) -> Result:
             "candidates": machine.candidates,
         },
         timings_s={},
-        versions=_versions(),
+        versions=versions(),
+        frame=GEAR_FRAME,
     )
 
 
@@ -170,8 +168,3 @@ def _verdict(flanks: list[FlankResult], dexels: DexelResult, findings: list[Find
     if dexels.check_um > LIMIT_UM:
         return "unchecked", f"the tri-dexel differs from the rays by {dexels.check_um:.3g} um (limit {LIMIT_UM:g})"
     return ("fail" if any(f.fails for f in findings) else "pass"), Status.OK.name or "OK"
-
-
-def _versions() -> dict[str, str]:
-    packages = ("warp-lang", "numpy", "scipy")
-    return {"gearsim": gearsim.__version__, "python": python_version(), **{p: version(p) for p in packages}}

@@ -55,7 +55,7 @@ def test_four_mistakes_are_told_at_once(tables):
         ("surface.module_mm", float("nan"), "surface.module_mm: got nan"),
         ("surface.module_mm", 4833800.0, "um would be 4833.8"),
         ("cutter.kind", "conicle", "cutter.kind: got conicle; expected 'apt'"),
-        ("cutter.taper_deg", 90.0, "cutter.taper_deg: got 90.0"),
+        ("cutter.taper_deg", 200.0, "cutter.taper_deg: got 200.0"),
         ("toolpath.points", 1, "toolpath.points: got 1"),
         ("toolpath.file", "a.cl", "'file' replaces our planner; remove decimals"),
         ("surface.fillet_radius_mm", 30.0, "working flank would be empty"),

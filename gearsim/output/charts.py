@@ -13,21 +13,21 @@ from gearsim.metrology.bevel import FlankResult
 from gearsim.metrology.deviation import Deviation
 from gearsim.metrology.samples import SampleGrid
 from gearsim.output.summary import published_um
-from gearsim.result import Result
+from gearsim.result import FlankMillingResult
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 
-def draw_deviation(result: Result, file: Path) -> None:
+def draw_deviation(result: FlankMillingResult, file: Path) -> None:
     """deviation.png, one column a flank: maps with contours, whiskers on the inspector's grid, mean profile."""
-    plt = _pyplot()
+    plt = pyplot()
     figure, axes = plt.subplots(4, 2, figsize=(13, 17), constrained_layout=True)
     for column, flank in enumerate(result.flanks.values()):
         own = flank.own or flank.own_cl
         motion = "continuous motion" if flank.own else "CL data"
-        _heat_map(figure, axes[0, column], flank, own, f"own pass, {motion}")
-        _heat_map(figure, axes[1, column], flank, flank.all_passes, "all passes")
+        heat_map(figure, axes[0, column], flank.grid, own, f"{flank.side} flank, own pass, {motion}")
+        heat_map(figure, axes[1, column], flank.grid, flank.all_passes, f"{flank.side} flank, all passes")
         _whiskers(axes[2, column], flank)
         _profile(axes[3, column], flank, result.scene)
     name = result.scene["scene"]["name"]
@@ -36,9 +36,9 @@ def draw_deviation(result: Result, file: Path) -> None:
     plt.close(figure)
 
 
-def draw_profile(result: Result, file: Path) -> None:
+def draw_profile(result: FlankMillingResult, file: Path) -> None:
     """profile.png: intended and machined profile at mid-face, and the flanks' own passes enlarged."""
-    plt = _pyplot()
+    plt = pyplot()
     figure, (left, right) = plt.subplots(1, 2, figsize=(13, 5.5), constrained_layout=True)
     measured = [(f.grid, f.all_passes) for f in result.flanks.values()]
     measured += [(p.grid, p.deviation) for p in result.patches.values()]
@@ -52,7 +52,8 @@ def draw_profile(result: Result, file: Path) -> None:
     plt.close(figure)
 
 
-def _pyplot() -> Any:
+def pyplot() -> Any:
+    """Matplotlib without a screen."""
     import matplotlib as mpl
 
     mpl.use("Agg")
@@ -61,24 +62,24 @@ def _pyplot() -> Any:
     return plt
 
 
-def _heat_map(figure: Any, axis: Axes, flank: FlankResult, deviation: Deviation, what: str) -> None:
-    """A map of one flank; the contours are of the map averaged along the face, or CL steps would fill it."""
+def heat_map(figure: Any, axis: Axes, grid: SampleGrid, deviation: Deviation, what: str) -> None:
+    """A map of one surface; the contours are of the map averaged along the face, or CL steps would fill it."""
     um = 1e3 * deviation.value
-    blank = flank.grid.patch.blank
-    length = flank.grid.length * (blank.face_width if blank else 1.0)
+    blank = grid.patch.blank
+    length = grid.length * (blank.face_width if blank else 1.0)
     limit = _largest(um)
-    image = axis.pcolormesh(length, flank.grid.height, um, cmap="RdBu_r", vmin=-limit, vmax=limit, shading="gouraud")
+    image = axis.pcolormesh(length, grid.height, um, cmap="RdBu_r", vmin=-limit, vmax=limit, shading="gouraud")
     smooth = gaussian_filter1d(um, um.shape[1] / 40.0, axis=1, mode="nearest")
     known = smooth[np.isfinite(smooth)]
     if known.size and np.ptp(known) > 0.2 * limit:
-        lines = axis.contour(length, flank.grid.height, smooth, levels=7, colors="k", linewidths=0.7)
+        lines = axis.contour(length, grid.height, smooth, levels=7, colors="k", linewidths=0.7)
         axis.clabel(lines, fontsize=8, fmt="%.3g")
     figure.colorbar(image, ax=axis, label="deviation [µm]")
     summary = deviation.summary_um()
     span = "nothing cut" if summary["min"] is None else f"{summary['min']:.3g} to {summary['max']:.3g} µm"
-    axis.set_title(f"{flank.side} flank, {what}: {span}")
-    axis.set_xlabel("toe to heel [mm]")
-    axis.set_ylabel("root to tip [share of flank]")
+    axis.set_title(f"{what}: {span}")
+    axis.set_xlabel("toe to heel [mm]" if blank else "along the motion [share]")
+    axis.set_ylabel("root to tip [share of surface]" if blank else "tip to shank [share of profile]")
 
 
 def _whiskers(axis: Axes, flank: FlankResult) -> None:
@@ -126,7 +127,9 @@ def _profile(axis: Axes, flank: FlankResult, scene: dict[str, Any]) -> None:
     axis.legend(fontsize=8)
 
 
-def _section(axis: Axes, result: Result, measured: list[tuple[SampleGrid, Deviation]], scale: float) -> None:
+def _section(
+    axis: Axes, result: FlankMillingResult, measured: list[tuple[SampleGrid, Deviation]], scale: float
+) -> None:
     """Intended and machined profiles at mid-face in the mean point's profile plane."""
     spine = result.tooth.spine(np.zeros(1), 0)
     to_plane = np.column_stack([spine.y.value[0], spine.z.value[0]])

@@ -11,14 +11,14 @@ from gearsim.envelope import envelope_grid
 from gearsim.metrology.closest import signed_distance
 from gearsim.metrology.deviation import Deviation
 from gearsim.metrology.samples import SampleGrid, sample_grid
-from gearsim.result import Result
+from gearsim.result import FlankMillingResult
 
 _POSES = 25
 _ENVELOPE_POSES = 160
 _NEAR = 2.0
 
 
-def write_drawing(result: Result, file: Path) -> None:
+def write_drawing(result: FlankMillingResult, file: Path) -> None:
     """Save what the drawing process needs as one .npz."""
     arrays: dict[str, NDArray] = {}
     grids = [(f.grid, f.all_passes) for f in result.flanks.values()]
@@ -45,7 +45,7 @@ def _patch_arrays(grid: SampleGrid, deviation: Deviation) -> dict[str, NDArray]:
     }
 
 
-def _machined_relief(result: Result) -> tuple[NDArray, NDArray]:
+def _machined_relief(result: FlankMillingResult) -> tuple[NDArray, NDArray]:
     """Top of the material in the slot's box, from the bundle across the root.
 
     Points (i, j, 3) in the gear frame, nan where there is no material, and the distance [um] of cut points
@@ -66,7 +66,7 @@ def _machined_relief(result: Result) -> tuple[NDArray, NDArray]:
     return points.reshape(*shape, 3), 1e3 * distance.reshape(shape)
 
 
-def _path_arrays(result: Result) -> dict[str, NDArray]:
+def _path_arrays(result: FlankMillingResult) -> dict[str, NDArray]:
     """Tool axes along each flank's pass, and the flank's untrimmed envelope (nan where there is none)."""
     arrays: dict[str, NDArray] = {}
     for side, sources in result.own_sources.items():

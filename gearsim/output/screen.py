@@ -11,7 +11,7 @@ from rich.console import Console
 from rich.progress import BarColumn, Progress, SpinnerColumn, TaskID, TextColumn, TimeElapsedColumn
 from rich.table import Table
 
-from gearsim.result import Result
+from gearsim.result import FlankMillingResult
 
 _CONSOLE = Console(highlight=False, width=None if sys.stdout.isatty() else 110)
 
@@ -46,7 +46,7 @@ class ScreenProgress:
             self._bar.advance(self._task, amount)
 
 
-def print_result(result: Result, out: Path, missing: list[str]) -> None:
+def print_result(result: FlankMillingResult, out: Path, missing: list[str]) -> None:
     """The figures a user wants first."""
     table = Table(title=f"{result.scene['scene']['name']}: deviation in um, + material left, - overcut")
     for head in ("flank and motion", "min", "max", "mean", "rms"):

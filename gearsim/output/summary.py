@@ -16,7 +16,7 @@ from gearsim.metrology.roads import LIMIT_UM, RoadGap
 from gearsim.metrology.samples import SampleGrid
 from gearsim.metrology.topography import Topography
 from gearsim.output.exr import SIGN, UNITS
-from gearsim.result import Result
+from gearsim.result import FlankMillingResult, Result
 
 SCHEMA_VERSION = 1
 PLACES = 20
@@ -27,27 +27,17 @@ def write_json(report: dict[str, Any], file: Path) -> None:
     file.write_text(json.dumps(report, indent=1, allow_nan=False) + "\n", encoding="utf-8")
 
 
-def summary(result: Result) -> dict[str, Any]:
+def summary(result: FlankMillingResult) -> dict[str, Any]:
     """Everything report.json holds."""
     reference = result.scene.get("reference")
+    conventions = {
+        "own_pass": "the flank's own pass, planner's continuous motion",
+        "own_pass_cl": "the flank's own pass as CL data",
+        "all_passes": "the whole CL program, rapid moves included",
+        "grids": "rows root to tip, columns toe to heel",
+    }
     return {
-        "schema_version": SCHEMA_VERSION,
-        "scene": result.scene,
-        "versions": result.versions,
-        "device": result.device,
-        "status": result.status,
-        "verdict": result.verdict,
-        "conventions": {
-            "units": UNITS,
-            "sign": SIGN,
-            "frame": "gear frame: z along the gear axis, origin at the apex of the pitch cone",
-            "own_pass": "the flank's own pass, planner's continuous motion",
-            "own_pass_cl": "the flank's own pass as CL data",
-            "all_passes": "the whole CL program, rapid moves included",
-            "grids": "rows root to tip, columns toe to heel",
-        },
-        "counts": result.counts,
-        "timings_s": {k: round(v, 4) for k, v in result.timings_s.items()},
+        **provenance_figures(result, conventions),
         "flanks": {side: _flank(flank, reference) for side, flank in result.flanks.items()},
         "root": {name: {"deviation_um": p.deviation.summary_um()} for name, p in result.patches.items()},
         "tri_dexel": {
@@ -56,6 +46,21 @@ def summary(result: Result) -> dict[str, Any]:
             "removed_volume_mm3": result.dexels.removed_volumes,
             "check_um": {"max": _number(result.dexels.check_um), "points": result.dexels.checked},
         },
+    }
+
+
+def provenance_figures(result: Result, conventions: dict[str, str]) -> dict[str, Any]:
+    """What every report.json begins with: scene, versions, verdict, conventions, counts, timings, findings."""
+    return {
+        "schema_version": SCHEMA_VERSION,
+        "scene": result.scene,
+        "versions": result.versions,
+        "device": result.device,
+        "status": result.status,
+        "verdict": result.verdict,
+        "conventions": {"units": UNITS, "sign": SIGN, "frame": result.frame, **conventions},
+        "counts": result.counts,
+        "timings_s": {k: round(v, 4) for k, v in result.timings_s.items()},
         "findings": [asdict(f) for f in result.findings],
     }
 
@@ -68,14 +73,15 @@ def _flank(flank: FlankResult, reference: dict[str, Any] | None) -> dict[str, An
         "other_passes": flank.others,
     }
     out: dict[str, Any] = {
-        name: None if d is None else {"deviation_um": d.summary_um(), "worst_at": _worst_at(flank.grid, d)}
+        name: None if d is None else {"deviation_um": d.summary_um(), "worst_at": worst_at(flank.grid, d)}
         for name, d in deviations.items()
     }
+    points = flank.grid.point.reshape(-1, 3)
     out |= {
-        "envelope_gap_um": _gap(flank.grid, flank.gap),
-        "envelope_gap_cl_um": _gap(flank.grid, flank.gap_cl),
+        "envelope_gap_um": gap_figures(points, flank.gap),
+        "envelope_gap_cl_um": gap_figures(points, flank.gap_cl),
         "inspection_gap_um": {"max": max(g.max_um for g in flank.inspection_gaps)},
-        "convergence": _convergence(flank.convergence),
+        "convergence": convergence_figures(flank.convergence),
         "grid_um": _numbers(flank.topography["all_passes"].as_cut_um),
         "topography": {name: _topography(t) for name, t in flank.topography.items()},
         "profile_um": {k: _number(v) for k, v in flank.profile_um.items()},
@@ -92,7 +98,7 @@ def published_um(reference: dict[str, Any], side: str) -> list[float]:
     return [turn * v for v in reference[f"{side}_um"]]
 
 
-def _worst_at(grid: SampleGrid, deviation: Deviation) -> dict[str, Any] | None:
+def worst_at(grid: SampleGrid, deviation: Deviation) -> dict[str, Any] | None:
     """Where the largest measured deviation lies."""
     if not deviation.measured.any():
         return None
@@ -106,8 +112,8 @@ def _worst_at(grid: SampleGrid, deviation: Deviation) -> dict[str, Any] | None:
     }
 
 
-def _gap(grid: SampleGrid, gap: RoadGap | None) -> dict[str, Any] | None:
-    """The gap, and where and why samples are excluded (the first few places)."""
+def gap_figures(points: NDArray, gap: RoadGap | None) -> dict[str, Any] | None:
+    """The gap, and where and why samples are excluded (the first few places); ``points`` [mm], shape (n, 3)."""
     if gap is None:
         return None
     lost = np.flatnonzero(~gap.road.valid)
@@ -117,13 +123,13 @@ def _gap(grid: SampleGrid, gap: RoadGap | None) -> dict[str, Any] | None:
         "valid": gap.valid,
         "excluded": gap.excluded,
         "excluded_reason": "no class of the machined surface reaches the measuring window" if len(lost) else None,
-        "excluded_places_mm": [[float(x) for x in grid.point.reshape(-1, 3)[i]] for i in lost[:PLACES]],
+        "excluded_places_mm": [[float(x) for x in points[i]] for i in lost[:PLACES]],
         "disagree": gap.disagree,
         "class_share": gap.road.share(),
     }
 
 
-def _convergence(convergence: Convergence | None) -> dict[str, Any] | None:
+def convergence_figures(convergence: Convergence | None) -> dict[str, Any] | None:
     if convergence is None:
         return None
     orders = convergence.orders

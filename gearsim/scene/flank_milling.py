@@ -9,7 +9,7 @@ from typing import Literal
 from pydantic import Field, model_validator
 
 from gearsim.cutters.profile import Profile
-from gearsim.scene.cutters import AnyCutter
+from gearsim.scene.catalogue import AnyCutter
 from gearsim.scene.tables import Angle, Count, Length, LengthOrZero, Scene, Table
 from gearsim.surfaces.blank import BevelBlank, outer_cone_distance, pitch_angle
 from gearsim.surfaces.ruled_bevel import RuledBevelTooth

@@ -1,0 +1,106 @@
+"""Reports as Markdown and as one HTML file with the pictures inside."""
+
+from __future__ import annotations
+
+import base64
+import re
+from pathlib import Path
+from typing import Any
+
+_STYLE = """
+body{font:16px/1.5 system-ui,sans-serif;max-width:72rem;margin:2rem auto;padding:0 1rem;color:#1b1f24}
+table{border-collapse:collapse;margin:1rem 0;font-variant-numeric:tabular-nums}
+td,th{border:1px solid #c8ccd0;padding:.25rem .6rem;text-align:right}
+td:first-child,th:first-child{text-align:left}
+img{max-width:100%;height:auto}
+h1,h2{border-bottom:1px solid #e1e4e8;padding-bottom:.2rem}
+code{background:#f3f4f6;padding:.1rem .25rem}
+"""
+
+
+def write_report(text: str, title: str, folder: Path) -> None:
+    """Write report.md and report.html into a folder that already holds the pictures."""
+    (folder / "report.md").write_text(text, encoding="utf-8")
+    (folder / "report.html").write_text(_html(text, folder, title), encoding="utf-8")
+
+
+def verdict(report: dict[str, Any]) -> str:
+    """The verdict in a few words."""
+    return {
+        "pass": "**PASS**: every measured deviation is within tolerance",
+        "fail": "**FAIL**: out of tolerance, see the findings",
+        "unchecked": f"**UNCHECKED**: {report['status']}",
+    }[report["verdict"]]
+
+
+def pictures(texts: dict[str, str]) -> str:
+    """Pictures by file name with their captions."""
+    return "".join(f"\n![{text}]({name})\n\n*{text}*\n" for name, text in texts.items())
+
+
+def not_drawn(missing: list[str]) -> str:
+    """Why pictures are missing."""
+    return "".join(f"\n*Not drawn: {reason}*\n" for reason in missing)
+
+
+def provenance(report: dict[str, Any], files: str) -> str:
+    """What was computed, by what, and what else the folder holds."""
+    counts, timings = report["counts"], report["timings_s"]
+    lines = [
+        f"Files: {files}.",
+        f"{counts['rays']:,} rays, {counts['segments']:,} segments, {counts['pairs']:,} swept ray-segment pairs "
+        f"({counts['candidates']:,} looked at), device {report['device']}.",
+        "Seconds: " + ", ".join(f"{k} {v:.2f}" for k, v in timings.items()) + ".",
+        "Versions: " + ", ".join(f"{k} {v}" for k, v in report["versions"].items()) + ".",
+    ]
+    return "## Provenance\n\n" + "\n\n".join(lines) + "\n"
+
+
+def findings(report: dict[str, Any]) -> str:
+    """What was found, with depth and place."""
+    rows = [
+        [
+            f["kind"], f["patch"], um(f["depth_um"]), ", ".join(f"{x:.2f}" for x in f["place_mm"]),
+            _mm(f["cone_distance_mm"]), _mm(f["height_mm"]), "FAILS" if f["fails"] else "", f["text"],
+        ]
+        for f in report["findings"]
+    ]  # fmt: skip
+    if not rows:
+        return "## Findings\n\nNone.\n"
+    head = ["Kind", "where", "µm", "x, y, z [mm]", "cone distance [mm]", "above root [mm]", "", "what"]
+    return "## Findings\n\n" + table(head, rows)
+
+
+def _mm(x: float | None) -> str:
+    return "–" if x is None else f"{x:.2f}"
+
+
+def um(x: float | None) -> str:
+    """A deviation in um with the digits that matter."""
+    if x is None:
+        return "–"
+    if abs(x) < 5e-7:
+        return "0"
+    return f"{x:.1f}" if abs(x) >= 100.0 else f"{x:.3f}" if abs(x) >= 1e-3 else f"{x:.1e}"
+
+
+def table(head: list[str], rows: list[list[Any]]) -> str:
+    lines = [head, ["---"] * len(head), *rows]
+    return "\n".join("| " + " | ".join(str(c) for c in row) + " |" for row in lines) + "\n"
+
+
+def _html(text: str, folder: Path, title: str) -> str:
+    """The Markdown as one HTML file with the pictures inside."""
+    from markdown_it import MarkdownIt
+
+    body = MarkdownIt("commonmark").enable("table").render(text)
+
+    def inline(match: re.Match[str]) -> str:
+        data = base64.b64encode((folder / match[1]).read_bytes()).decode()
+        return f'src="data:image/png;base64,{data}"'
+
+    body = re.sub(r'src="([\w.-]+\.png)"', inline, body)
+    return (
+        f'<!doctype html><html lang="en"><head><meta charset="utf-8"><title>gearsim: {title}</title>'
+        f"<style>{_STYLE}</style></head><body>{body}</body></html>\n"
+    )

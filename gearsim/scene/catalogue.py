@@ -1,0 +1,65 @@
+"""Tables [cutter] and [machine]: every entry of a catalogue, its keys taken from the function's parameters."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from inspect import Parameter, signature
+from math import degrees, radians
+from typing import Annotated, Any, Literal, Union
+
+from pydantic import Field, create_model
+
+from gearsim.cutters.catalogue import CUTTERS
+from gearsim.machines.catalogue import MACHINES
+from gearsim.scene.tables import Table
+
+_Length = Annotated[float, Field(gt=-1e5, lt=1e5, allow_inf_nan=False)]
+_Angle = Annotated[float, Field(gt=-180.0, lt=180.0, allow_inf_nan=False)]
+_Vector = tuple[_Length, _Length, _Length]
+_ANGLES = {"alpha", "beta", "taper", "psi_u", "psi_l"}
+
+
+class CatalogueTable(Table):
+    """An entry of a catalogue; lengths end in ``_mm``, angles in ``_deg``."""
+
+    kind: str
+
+    def build(self) -> Any:
+        """The tool or machine. Raises InputError where the parameters are impossible."""
+        make = _MAKERS[self.kind]
+        given = {name: getattr(self, key) for name, key in _keys(make).items()}
+        return make(**{name: radians(v) if _is_angle(name) else v for name, v in given.items()})
+
+
+_MAKERS: dict[str, Callable[..., Any]] = {**CUTTERS, **MACHINES}
+
+
+def _is_angle(name: str) -> bool:
+    return name in _ANGLES or name.endswith("angle")
+
+
+def _keys(make: Callable[..., Any]) -> dict[str, str]:
+    """The table's key of every parameter of a catalogue function."""
+    return {n: f"{n}_deg" if _is_angle(n) else f"{n}_mm" for n in signature(make).parameters if n != "name"}
+
+
+def _table(kind: str, make: Callable[..., Any]) -> type[CatalogueTable]:
+    fields: dict[str, Any] = {"kind": (Literal[kind], ...)}
+    for name, key in _keys(make).items():
+        default = signature(make).parameters[name].default
+        if default is Parameter.empty:
+            default = ...
+        elif _is_angle(name):
+            default = degrees(default)
+        number = _Vector if isinstance(default, tuple) else _Angle if _is_angle(name) else _Length
+        fields[key] = (number, default)
+    return create_model(f"{kind}Table", __base__=CatalogueTable, **fields)
+
+
+def _any_of(catalogue: Mapping[str, Callable[..., Any]]) -> Any:
+    tables = tuple(_table(kind, make) for kind, make in catalogue.items())
+    return Annotated[Union[tables], Field(discriminator="kind")]  # noqa: UP007
+
+
+AnyCutter: Any = _any_of(CUTTERS)
+AnyMachine: Any = _any_of(MACHINES)
