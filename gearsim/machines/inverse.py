@@ -60,6 +60,25 @@ def inverse_frame(machine: Machine, rotation: NDArray, origin: NDArray) -> Branc
     return Branches(np.stack(both), free)
 
 
+def reach_tip(machine: Machine, values: NDArray, tip: NDArray) -> NDArray:
+    """Axis values (n, k) with the rotary ones kept and the slides set so that the tips (n, 3) [mm] are reached.
+
+    Raises InputError where the rotary axes turn the three slides into one plane.
+    """
+    values = np.where([joint.is_rotary for joint in machine.joints], values, 0.0)
+    directions = machine.slide_directions(values)
+    volume = np.abs(np.linalg.det(directions))
+    if len(volume) and volume.min() < _FLAT:
+        i = int(volume.argmin())
+        raise InputError(
+            f"machine {machine.name}, point {i + 1}: its rotary axes turn the slides into one plane, so that "
+            "they cannot reach the tip; choose other rotary positions"
+        )
+    rest = np.asarray(tip, dtype=float) - machine.forward(values)[0]
+    values[:, : directions.shape[-1]] = np.linalg.solve(directions, rest[..., None])[..., 0]
+    return values
+
+
 def wrap(angle: NDArray) -> NDArray:
     """Angles [rad] brought into -pi to pi."""
     return (angle + np.pi) % (2.0 * np.pi) - np.pi
@@ -159,7 +178,7 @@ class Solver:
         values = np.zeros((len(first), len(self.machine.axes)))
         for joint, angle in zip(self.rotaries, (first, second, spin), strict=False):
             values[:, self.machine.column(joint)] = angle
-        return self._slide(values, tip)
+        return reach_tip(self.machine, values, tip)
 
     def complete_frame(self, rotation: NDArray, origin: NDArray, first: NDArray, second: NDArray) -> NDArray:
         """Axis values (n, k) for full frames, once the two rotary axes nearest the workpiece are known."""
@@ -168,20 +187,6 @@ class Solver:
         turned = work @ rotation @ (mount.T @ side)
         back = _rotate(self._w2, -second, _rotate(self._w1, -first, turned))
         return self.complete_pose(origin, first, second, _turn_between(self.z0, side, back))
-
-    def _slide(self, values: NDArray, tip: NDArray) -> NDArray:
-        """Set the slides, zero so far, so that the tip is reached."""
-        directions = self.machine.slide_directions(values)
-        volume = np.abs(np.linalg.det(directions))
-        if len(volume) and volume.min() < _FLAT:
-            i = int(volume.argmin())
-            raise InputError(
-                f"machine {self.machine.name}, point {i + 1}: its rotary axes turn the slides into one plane, "
-                "so that they cannot reach the tip; choose other rotary positions"
-            )
-        rest = np.asarray(tip, dtype=float) - self.machine.forward(values)[0]
-        values[:, : directions.shape[-1]] = np.linalg.solve(directions, rest[..., None])[..., 0]
-        return values
 
     def _check_reach(self, s1: NDArray, low: float, high: float) -> None:
         off = np.maximum(low - s1, s1 - high)

@@ -13,8 +13,9 @@ from math import ceil, degrees, isfinite, pi
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from gearsim.errors import InputError
 from gearsim.machines.chain import Joint, Machine
-from gearsim.machines.inverse import Solver, wrap
+from gearsim.machines.inverse import PARALLEL_RAD, Solver, wrap
 
 _ROUNDING = 1e-9
 _SWING_LIMIT = 10.0
@@ -110,6 +111,10 @@ def _best(
     first, second, free = solver.turn(wanted)
     machine, columns = solver.machine, [solver.machine.column(j) for j in solver.rotaries]
     start = None if near is None else np.asarray(near, dtype=float)
+    if start is not None and start.shape != (len(machine.axes),):
+        raise InputError(
+            f"machine {machine.name}: expected start values for {', '.join(machine.axes)}, got shape {start.shape}"
+        )
     first = _hold(first, free, None if start is None else float(start[columns[0]]))
     tries: tuple[int, ...] = (0, 1)
     if start is not None:
@@ -149,7 +154,7 @@ def _follow(first: NDArray, second: NDArray, begin: int) -> NDArray:
     reached = np.argmin(steps, axis=1).T
     reach = 1
     while reach < len(reached):
-        reached[reach:] = np.take_along_axis(reached[reach:], reached[:-reach].copy(), axis=1)
+        reached[reach:] = np.take_along_axis(reached[reach:], reached[:-reach], axis=1)
         reach *= 2
     return np.concatenate([[begin], reached[:, begin]])
 
@@ -185,5 +190,5 @@ def _swings(joint: Joint, values: NDArray, wanted: NDArray) -> tuple[Swing, ...]
     tilt = np.arctan2(np.linalg.norm(np.cross(a, b), axis=1), (a * b).sum(axis=1))
     turn = np.diff(values)
     steps = np.flatnonzero(np.abs(turn) > np.maximum(_SWING_LIMIT * tilt, _ROUNDING))
-    rate = np.abs(turn) / np.maximum(tilt, np.finfo(float).tiny)
+    rate = np.abs(turn) / np.maximum(tilt, PARALLEL_RAD)
     return tuple(Swing(joint, int(i), float(turn[i]), float(rate[i])) for i in steps)
