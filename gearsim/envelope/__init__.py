@@ -5,7 +5,11 @@ the path, the tool at a joint where the velocity jumps, the tool at the path's e
 by a sharp edge of the profile. All are solved for along given rays; what survives trimming is machined.
 """
 
-from gearsim.envelope.machined import EnvelopeRoad, machined_along
+from gearsim.envelope.machined import TRIM_TOLERANCE, EnvelopeRoad, machined_along
+from gearsim.envelope.patch import EnvelopePatch
 from gearsim.envelope.surface import envelope_grid, envelope_points, prepare_envelope
 
-__all__ = ["EnvelopeRoad", "envelope_grid", "envelope_points", "machined_along", "prepare_envelope"]
+__all__ = [
+    "TRIM_TOLERANCE", "EnvelopePatch", "EnvelopeRoad", "envelope_grid", "envelope_points", "machined_along",
+    "prepare_envelope",
+]  # fmt: skip
