@@ -1,0 +1,197 @@
+"""Point lists with normals, x y z nx ny nz, as CSV or Parquet: read and written.
+
+A CSV file begins with lines ``# key: value``: ``units`` (mm) and ``sign`` (out of the material, or into the
+material: the way the normals point) are needed; ``axis``, ``flank`` and, for a grid in row-major order, ``rows`` and
+``columns`` may follow. Then come the column names and one point a line. Parquet files carry the same keys, as
+``gearsim.units`` and so on, in their metadata.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gearsim.errors import InputError, read_input
+
+COLUMNS = ("x_mm", "y_mm", "z_mm", "nx", "ny", "nz")
+AXIS = "z along the gear axis"
+SIGNS = {"out of the material": 1.0, "into the material": -1.0}
+_KEYS = ("units", "axis", "flank", "sign", "rows", "columns")
+_UNIT = 1e-3
+
+
+@dataclass(frozen=True)
+class PointList:
+    """Points [mm] and unit normals out of the material, both shape (n, 3), workpiece frame.
+
+    ``shape``: (rows, columns) of a grid in row-major order, None for scattered points.
+    """
+
+    point: NDArray[np.floating]
+    normal: NDArray[np.floating]
+    flank: str = ""
+    axis: str = AXIS
+    shape: tuple[int, int] | None = None
+
+    def header(self) -> dict[str, str]:
+        """The keys that say what the numbers mean."""
+        grid = {} if self.shape is None else {"rows": str(self.shape[0]), "columns": str(self.shape[1])}
+        return {"units": "mm", "axis": self.axis, "flank": self.flank, "sign": next(iter(SIGNS)), **grid}
+
+
+def read_points(file: Path) -> PointList:
+    """Read a point list, Parquet if its name ends so, else CSV.
+
+    Raises InputError naming file, line and column for anything that cannot be used.
+    """
+    if file.suffix.lower() == ".parquet":
+        return _from_parquet(file)
+    return parse_points(read_input(file, "point list"), str(file))
+
+
+def write_points(points: PointList, file: Path) -> None:
+    """Write a point list, Parquet if the file's name ends so, else CSV; numbers keep all their digits.
+
+    Raises InputError where the file cannot be written.
+    """
+    try:
+        if file.suffix.lower() == ".parquet":
+            _to_parquet(points, file)
+        else:
+            file.write_text(format_points(points), encoding="utf-8")
+    except OSError as error:
+        raise InputError(f"cannot write point list {file}: {error.strerror}") from error
+
+
+def format_points(points: PointList) -> str:
+    """A point list as CSV text."""
+    lines = [f"# {key}: {value}" for key, value in points.header().items()]
+    rows = np.hstack([points.point, points.normal]).tolist()
+    return "\n".join([*lines, ",".join(COLUMNS), *(",".join(map(repr, row)) for row in rows), ""])
+
+
+def parse_points(text: str, name: str) -> PointList:
+    """A point list from CSV text; ``name`` stands in the messages."""
+    header: dict[str, str] = {}
+    rows: list[tuple[int, list[str]]] = []
+    for number, line in enumerate(text.splitlines(), 1):
+        line = line.strip()
+        if line.startswith("#"):
+            key, colon, value = line[1:].partition(":")
+            if colon and key.strip().lower() in _KEYS:
+                header[key.strip().lower()] = value.strip()
+        elif line:
+            rows.append((number, _fields(line)))
+    if rows and not _is_number(rows[0][1][0]):
+        _check_names(rows.pop(0), name)
+    return _point_list(_numbers(rows, name), header, name, [f"line {number}" for number, _ in rows])
+
+
+def _fields(line: str) -> list[str]:
+    separator = "," if "," in line else ";" if ";" in line else None
+    return [field.strip() for field in line.split(separator)]
+
+
+def _is_number(field: str) -> bool:
+    try:
+        float(field)
+    except ValueError:
+        return False
+    return True
+
+
+def _check_names(row: tuple[int, list[str]], name: str) -> None:
+    number, found = row
+    if [f.lower().removesuffix("_mm") for f in found] != [c.removesuffix("_mm") for c in COLUMNS]:
+        raise InputError(f"{name}, line {number}: columns {', '.join(found)}; expected {', '.join(COLUMNS)}")
+
+
+def _numbers(rows: list[tuple[int, list[str]]], name: str) -> NDArray:
+    """The numbers, shape (n, 6)."""
+    for number, fields in rows:
+        if len(fields) != len(COLUMNS):
+            raise InputError(f"{name}, line {number}: {len(fields)} columns; expected 6: {', '.join(COLUMNS)}")
+    try:
+        return np.array([fields for _, fields in rows], dtype=float).reshape(-1, 6)
+    except ValueError:
+        number, column, field = next(
+            (number, k, f) for number, fields in rows for k, f in enumerate(fields) if not _is_number(f)
+        )
+        place = f"{name}, line {number}, column {column + 1} ({COLUMNS[column]})"
+        raise InputError(f"{place}: {field!r} is not a number") from None
+
+
+def _point_list(values: NDArray, header: dict[str, str], name: str, places: list[str] | None = None) -> PointList:
+    """A point list from its numbers, shape (n, 6); ``places`` say where each row stands in the file."""
+    units, sign = header.get("units"), header.get("sign", "")
+    if units != "mm":
+        got = "no '# units: mm' in its header" if units is None else f"units {units!r}"
+        raise InputError(f"{name}: {got}; point lists are read in mm")
+    if sign not in SIGNS:
+        got = f"sign {sign!r}" if sign else "no '# sign:' in its header"
+        raise InputError(f"{name}: {got}; it says where the normals point: {' or '.join(map(repr, SIGNS))}")
+    if not len(values):
+        raise InputError(f"{name}: no points; expected lines of six numbers: {', '.join(COLUMNS)}")
+    length = np.linalg.norm(values[:, 3:], axis=1)
+    bad, off = np.argwhere(~np.isfinite(values)), np.flatnonzero(np.abs(length - 1.0) > _UNIT)
+    if len(bad):
+        row, column = map(int, bad[0])
+        place = places[row] if places else f"row {row + 1}"
+        raise InputError(
+            f"{name}, {place}, column {column + 1} ({COLUMNS[column]}): {values[row, column]} is not a finite number"
+        )
+    if len(off):
+        row = int(off[0])
+        place = places[row] if places else f"row {row + 1}"
+        raise InputError(f"{name}, {place}, columns 4 to 6: the normal has length {length[row]:.6g}; expected 1")
+    normal = SIGNS[sign] * values[:, 3:] / length[:, None]
+    shape = _shape(header, len(values), name)
+    return PointList(values[:, :3], normal, header.get("flank", ""), header.get("axis", AXIS), shape)
+
+
+def _shape(header: dict[str, str], count: int, name: str) -> tuple[int, int] | None:
+    if not {"rows", "columns"} & set(header):
+        return None
+    try:
+        rows, columns = int(header["rows"]), int(header["columns"])
+    except (KeyError, ValueError):
+        raise InputError(f"{name}: a grid needs whole numbers for both '# rows:' and '# columns:'") from None
+    if rows * columns != count:
+        raise InputError(f"{name}: {rows} rows of {columns} columns are {rows * columns} points; it holds {count}")
+    return rows, columns
+
+
+def _to_parquet(points: PointList, file: Path) -> None:
+    import pyarrow as pa
+    import pyarrow.parquet as pq
+
+    values = np.hstack([points.point, points.normal])
+    table = pa.table({c: values[:, i] for i, c in enumerate(COLUMNS)})
+    pq.write_table(table.replace_schema_metadata({f"gearsim.{k}": v for k, v in points.header().items()}), file)
+
+
+def _from_parquet(file: Path) -> PointList:
+    import pyarrow as pa
+    import pyarrow.parquet as pq
+
+    try:
+        table = pq.read_table(file)
+    except pa.ArrowInvalid as error:
+        raise InputError(f"cannot read point list {file}: it is not a Parquet file") from error
+    except OSError as error:
+        raise InputError(f"cannot read point list {file}: {error.strerror or error}") from error
+    missing = [c for c in COLUMNS if c not in table.column_names]
+    if missing:
+        raise InputError(f"{file}: no column {', '.join(missing)}; expected {', '.join(COLUMNS)}")
+    columns = []
+    for name in COLUMNS:
+        try:
+            columns.append(table.column(name).cast(pa.float64()).to_numpy())
+        except (pa.ArrowInvalid, pa.ArrowNotImplementedError) as error:
+            raise InputError(f"{file}, column {name}: it does not hold numbers") from error
+    keys = {k.decode(): v.decode() for k, v in (table.schema.metadata or {}).items()}
+    header = {k.removeprefix("gearsim."): v for k, v in keys.items() if k.removeprefix("gearsim.") in _KEYS}
+    return _point_list(np.column_stack(columns), header, str(file))
