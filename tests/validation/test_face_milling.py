@@ -1,0 +1,192 @@
+"""Zhou's generated face-milled gear (2015, sections 3.1.2 and 4.4.2, tables 3.3, 3.4, 4.2): truths and numbers."""
+
+from dataclasses import replace
+from math import cos, sin, tan
+
+import numpy as np
+import pytest
+
+from gearsim.surfaces.ruled_bevel import SIDES
+from tests.surfaces.test_face_milled import ANGLE, EDGE, MEAN_RADIUS, POINT_WIDTH, ROLL, SETTINGS, make_face_milled
+
+HEIGHT = 12.0
+SIGN = {"concave": 1.0, "convex": -1.0}
+
+
+@pytest.fixture(scope="module", params=[(), ROLL], ids=["constant roll", "modified roll"])
+def tooth(request):
+    return make_face_milled(replace(SETTINGS, modified_roll=request.param))
+
+
+def dot(a, b):
+    return np.sum(a * b, axis=-1)
+
+
+def published_motion(g, phi):
+    """o_g, l_g (tip plane into the gear) and their first two derivatives: columns of M_bg, complex arithmetic.
+
+    Zhou A.1 with d/dphi of each factor; 3.13 and 3.15 need division by dphi and dphi squared (errata).
+    """
+    c, d, e, f = (*g.modified_roll, 0.0, 0.0, 0.0, 0.0)[:4]
+    b = g.ratio_of_roll * (phi - c * phi**2 - d * phi**3 - e * phi**4 - f * phi**5)
+    b1 = g.ratio_of_roll * (1 - 2 * c * phi - 3 * d * phi**2 - 4 * e * phi**3 - 5 * f * phi**4)
+    b2 = g.ratio_of_roll * (-2 * c - 6 * d * phi - 12 * e * phi**2 - 20 * f * phi**3)
+    cg, sg = cos(g.machine_root_angle), sin(g.machine_root_angle)
+    head = g.radial_distance * np.exp(1j * (g.cradle_angle + phi))
+    x = [head.real, -head.imag, -head.real]
+    y = [head.imag, head.real, -head.imag]
+    y[0] = y[0] + g.blank_offset
+    base = [-g.sliding_base, 0.0, 0.0]
+    across = [x[k] * sg - base[k] * cg + 1j * y[k] for k in range(3)]
+    along = [x[k] * cg + base[k] * sg for k in range(3)]
+    into = [-cg + 0.0 * phi, 0.0 * phi, 0.0 * phi]
+    turn = np.exp(-1j * b)
+    turn = [turn, -1j * b1 * turn, (-1j * b2 - b1**2) * turn]
+
+    def product(a):
+        return [a[0] * turn[0], a[1] * turn[0] + a[0] * turn[1], a[2] * turn[0] + 2 * a[1] * turn[1] + a[0] * turn[2]]
+
+    rise = [sg + 0.0 * phi, 0.0 * phi, 0.0 * phi]
+    o = [np.stack([p.real, p.imag, q + 0.0 * phi], axis=-1) for p, q in zip(product(across), along, strict=True)]
+    axis = [np.stack([p.real, p.imag, q], axis=-1) for p, q in zip(product(into), rise, strict=True)]
+    return o, axis
+
+
+def published_flank(g, side, h, phi):
+    """Point, normal and their derivatives by h and phi of the working flank, h counted against l_g.
+
+    Zhou 3.5 repaired (q = o - h l_g, rho = R_c sin(alpha), alpha = pi/2 -+ a_g), 3.6 repaired (rho' = +- sin a_g),
+    2.34, 2.35, 2.41-2.46; 2.43 as printed holds because the axis does not depend on h. n leaves the axis; the
+    branch that cuts the face is + on the concave and - on the convex side.
+    """
+    s = SIGN[side]
+    (o, o1, o2), (axis, axis1, axis2) = published_motion(g, phi)
+    alpha = np.pi / 2 - s * ANGLE
+    rho, rho_h = (MEAN_RADIUS + s * POINT_WIDTH / 2 + s * h * tan(ANGLE)) * sin(alpha), s * sin(ANGLE)
+    h, rho = h[:, None], rho[:, None]
+    q, v, v_h, v_phi = o - h * axis, o1 - h * axis1, -axis1, o2 - h * axis2
+    cosine, along = cos(alpha), lambda a, b: dot(a, b)[:, None]
+    lv = np.cross(axis, v)
+    f1, f2, f3 = along(lv, lv), cosine * along(v, v), -cosine * along(axis, v)
+    f4 = s * np.sqrt(f1 - cosine**2 * along(v, v))
+    n = (f2 * axis + f3 * v + f4 * lv) / f1
+
+    def normal_rate(v_x, axis_x):
+        lv_x = np.cross(axis_x, v) + np.cross(axis, v_x)
+        f1_x, f2_x = 2 * along(lv, lv_x), 2 * cosine * along(v, v_x)
+        f3_x = -cosine * (along(axis_x, v) + along(axis, v_x))
+        f4_x = (f1_x - 2 * cosine**2 * along(v, v_x)) / (2 * f4)
+        return (-f1_x * n + f2_x * axis + f2 * axis_x + f3_x * v + f3 * v_x + f4_x * lv + f4 * lv_x) / f1
+
+    n_h, n_phi = normal_rate(v_h, 0.0 * axis), normal_rate(v_phi, axis1)
+    return q + rho * n, n, -axis + rho_h * n + rho * n_h, v + rho * n_phi, n_h, n_phi
+
+
+def published_fillet(g, side, angle, phi):
+    """Points of the fillet (Zhou 3.7 repaired: q = o - h l_g, h = r_f +- X_w cot)."""
+    s = SIGN[side]
+    (o, o1, _), (axis, axis1, _) = published_motion(g, phi)
+    x = MEAN_RADIUS + s * POINT_WIDTH / 2 - s * EDGE * (1 / cos(ANGLE) - tan(ANGLE))
+    alpha = np.pi / 2 + s * (angle - np.pi / 2)
+    h, rho = EDGE + s * x / np.tan(angle), (x + s * EDGE * np.sin(angle)) / np.sin(alpha)
+    q, v = o - h[:, None] * axis, o1 - h[:, None] * axis1
+    lv, v2 = np.cross(axis, v), dot(v, v)
+    lv2 = dot(lv, lv)
+    root = s * np.sqrt(lv2 - np.cos(alpha) ** 2 * v2)
+    n = (
+        (np.cos(alpha) * v2 / lv2)[:, None] * axis
+        - (dot(axis, v) * np.cos(alpha) / lv2)[:, None] * v
+        + (root / lv2)[:, None] * lv
+    )
+    return q + rho[:, None] * n, n
+
+
+def samples(patch, rng, n=60):
+    u, v = patch.locate(rng.uniform(0.0, 1.0, n), rng.uniform(0.02, 0.98, n))
+    return u, v, patch.jet(u, v)
+
+
+@pytest.mark.parametrize("side", SIDES)
+def test_flanks_are_the_published_closed_form(tooth, side, rng):
+    """Points, normals, tangents and curvature; the effective centre's height h from the point's own height."""
+    patch = tooth.flank(side)
+    u, v, jet = samples(patch, rng)
+    z = patch.sheet.element.at(v).z
+    effective = z / cos(ANGLE) ** 2 + SIGN[side] * (MEAN_RADIUS + SIGN[side] * POINT_WIDTH / 2) * tan(ANGLE)
+    r, n, r_h, r_phi, n_h, n_phi = published_flank(tooth.generator, side, effective, u)
+    assert np.allclose(r, jet.r, atol=1e-10)
+    assert np.allclose(np.abs(dot(n, jet.normal)), 1.0, atol=1e-12)
+    s = np.sign(dot(n, jet.normal))[:, None]
+    e, f, g = dot(r_h, r_h), dot(r_h, r_phi), dot(r_phi, r_phi)
+    big_l, big_m, big_n = -dot(r_h, s * n_h), -dot(r_h, s * n_phi), -dot(r_phi, s * n_phi)
+    assert np.allclose(big_m, -dot(r_phi, s * n_h), atol=1e-9)
+    area = e * g - f * f
+    ours = jet.curvature()
+    assert np.allclose(ours.gaussian, (big_l * big_n - big_m**2) / area, rtol=1e-8, atol=1e-12)
+    assert np.allclose(ours.mean, (big_l * g - 2 * big_m * f + big_n * e) / (2 * area), rtol=1e-9)
+
+
+@pytest.mark.parametrize("side", SIDES)
+def test_fillets_are_the_published_closed_form(tooth, side, rng):
+    patch = tooth.fillet(side)
+    u, v, jet = samples(patch, rng)
+    at = patch.sheet.element.at(v)
+    r, n = published_fillet(tooth.generator, side, np.arctan2(np.abs(at.nr), -at.nz), u)
+    assert np.allclose(r, jet.r, atol=1e-9)
+    assert np.allclose(np.abs(dot(n, jet.normal)), 1.0, atol=1e-11)
+
+
+def ring_distance(r, z):
+    """Signed distance to the head from its construction: half planes, two rounded corners at the tip."""
+    s, c = sin(ANGLE), cos(ANGLE)
+    inner, outer = MEAN_RADIUS - POINT_WIDTH / 2, MEAN_RADIUS + POINT_WIDTH / 2
+    to_outer, to_inner = (r - outer) * c - z * s, (inner - r) * c - z * s
+    distance = np.maximum.reduce([to_outer, to_inner, -z, z - HEIGHT])
+    back = EDGE * (1 / c - tan(ANGLE))
+    for x in (outer - back - r, r - inner - back):
+        along, level = -x * s + (z - EDGE) * c, z - EDGE
+        corner = np.hypot(x, level) - EDGE
+        distance = np.where((x <= 0.0) & (along <= 0.0) & (level <= 0.0), np.maximum(corner, z - HEIGHT), distance)
+    return distance
+
+
+def distance_at(tooth, points, phi):
+    """Signed distance of points (n, 3) to the head at cradle angles (n,) or (n, m)."""
+    tip, axis = (s.value.reshape(*np.shape(phi), 3) for s in tooth.generator.poses(np.ravel(phi), 0))
+    q = (points if np.ndim(phi) == 1 else points[:, None]) - tip
+    z = dot(q, axis)
+    return ring_distance(np.linalg.norm(q - z[..., None] * axis, axis=-1), z)
+
+
+def least_distance(tooth, points):
+    """Minimum over the whole motion, by sampling 0.3 mrad apart and a golden section on values; and where."""
+    phi = np.arange(*tooth.motion_range, 3e-4)
+    best = np.empty(len(points))
+    for i, p in enumerate(points):
+        best[i] = phi[np.argmin(distance_at(tooth, np.broadcast_to(p, (len(phi), 3)), phi))]
+    low, high, g = best - 4e-4, best + 4e-4, (np.sqrt(5.0) - 1.0) / 2.0
+    for _ in range(50):
+        a, b = high - g * (high - low), low + g * (high - low)
+        left = distance_at(tooth, points, a) < distance_at(tooth, points, b)
+        low, high = np.where(left, low, a), np.where(left, b, high)
+    return distance_at(tooth, points, 0.5 * (low + high)), 0.5 * (low + high)
+
+
+@pytest.mark.parametrize("name", ["concave", "concave fillet", "bottom", "convex fillet", "convex"])
+def test_brute_force_finds_the_surface(tooth, name, rng):
+    """No envelope theory: the head comes to 1e-9 mm at the claimed pose, and no nearer in the whole motion.
+
+    Points a micrometre out of the material are cut, points a micrometre inside keep their micrometre.
+    """
+    patch = next(p for p in tooth.patches if p.name == name)
+    u, _, jet = samples(patch, rng, 25)
+    distance, phi = least_distance(tooth, jet.r)
+    trimmed = distance < -1e-9
+    assert not jet.undercut.any()
+    assert not trimmed.any()
+    assert np.abs(distance).max() < 1e-9
+    assert np.abs(phi - u).max() < 1e-6
+    out, _ = least_distance(tooth, jet.r + 1e-3 * jet.normal)
+    inside, _ = least_distance(tooth, jet.r - 1e-3 * jet.normal)
+    assert np.allclose(out, -1e-3, atol=1e-6)
+    assert np.allclose(inside, 1e-3, atol=1e-6)
