@@ -19,6 +19,7 @@ f64 = wp.float64
 DESCEND = wp.constant(0)
 MARCH_RIGHT = wp.constant(1)
 MARCH_LEFT = wp.constant(2)
+DONE = wp.constant(3)
 
 MAX_EVALUATIONS = wp.constant(400)
 FLOOR_STEPS = wp.constant(f64(128.0))
@@ -36,6 +37,23 @@ class Extreme:
     to_x: f64
     gap: wp.int32
     converged: wp.int32
+
+
+@wp.struct
+class Search:
+    """State of a search: the bracket [a, b] of the descent, the earliest contact ``best``, and ``here``,
+    up to which a march has come; ``x`` is where to look next, the rest as in Extreme.
+    """
+
+    phase: wp.int32
+    a: Contact
+    b: Contact
+    best: Contact
+    here: Contact
+    x: f64
+    from_x: f64
+    to_x: f64
+    gap: wp.int32
 
 
 @wp.func
@@ -159,6 +177,86 @@ def march_point(
 
 
 @wp.func
+def start_search(left: Contact, right: Contact) -> Search:
+    """A descent in the bracket [left, right]."""
+    s = Search()
+    s.phase = DESCEND
+    s.a = left
+    s.b = right
+    s.best = left
+    if right.tau < left.tau:
+        s.best = right
+    s.here = s.best
+    s.from_x = left.x
+    s.to_x = right.x
+    return s
+
+
+@wp.func
+def aim(
+    s: Search, left: Contact, right: Contact, tolerance: f64, curvature: f64, spin: f64, turn: int
+) -> Search:  # fmt: skip
+    """Choose where to look next, going on to the next phase where one has nothing left to look for."""
+    floor = (right.x - left.x) / FLOOR_STEPS
+    next = wp.vec2d(f64(0.0), f64(1.0))
+    if s.phase == DESCEND:
+        next = descent_point(s.a, s.b, tolerance, curvature, spin, turn)
+        if next[1] == f64(1.0):
+            s.phase = MARCH_RIGHT
+            if not straddles(s.a, s.b):
+                s.a = s.best
+                s.b = s.best
+            s.here = s.b
+    if s.phase == MARCH_RIGHT:
+        next = march_point(s.here, right, s.best.tau, tolerance, curvature, spin, floor)
+        if next[1] == f64(1.0):
+            s.phase = MARCH_LEFT
+            s.here = s.a
+    if s.phase == MARCH_LEFT:
+        next = march_point(s.here, left, s.best.tau, tolerance, curvature, spin, floor)
+        if next[1] == f64(1.0):
+            s.phase = DONE
+    s.x = next[0]
+    return s
+
+
+@wp.func
+def take(s: Search, at: Contact, left: Contact, right: Contact, tolerance: f64) -> Search:
+    """Draw the conclusions from what was found at the point aimed at."""
+    if at.found == 0 and left.found == 1 and right.found == 1:
+        s.gap = 1
+        s.to_x = at.x
+        s.phase = DONE
+        return s
+    earlier = at.tau < s.best.tau - f64(0.5) * tolerance
+    if at.tau < s.best.tau:
+        s.best = at
+    if s.phase == DESCEND:
+        if replaces_left(s.a, s.b, at):
+            s.a = at
+        else:
+            s.b = at
+    elif at.found == 0 and s.phase == MARCH_RIGHT:
+        s.to_x = at.x
+        s.phase = MARCH_LEFT
+        s.here = s.a
+    elif at.found == 0:
+        s.from_x = at.x
+        s.phase = DONE
+    elif earlier and s.phase == MARCH_RIGHT:
+        s.a = at
+        s.b = right
+        s.phase = DESCEND
+    elif earlier:
+        s.a = left
+        s.b = at
+        s.phase = DESCEND
+    else:
+        s.here = at
+    return s
+
+
+@wp.func
 def earliest_entry(
     cutter: Cutter, motion: Motion, row: int, origin: wp.vec3d, direction: wp.vec3d, side: int,
     left: Contact, right: Contact, tolerance: f64,
@@ -169,72 +267,19 @@ def earliest_entry(
     meeting something earlier, it descends again from there. A miss ends the march, for the run of hits
     is over; between two ends that hit it is a gap, and the search stops for the caller to split there.
     """
-    curvature = motion.acceleration[row]
-    spin = motion.spin[row]
-    floor = (right.x - left.x) / FLOOR_STEPS
-    out = Extreme()
-    out.from_x = left.x
-    out.to_x = right.x
-    a = left
-    b = right
-    best = left
-    if right.tau < left.tau:
-        best = right
-    here = best
-    phase = int(DESCEND)
+    s = start_search(left, right)
     evaluations = int(0)
-    while evaluations < MAX_EVALUATIONS:
-        next = wp.vec2d(f64(0.0), f64(1.0))
-        if phase == DESCEND:
-            next = descent_point(a, b, tolerance, curvature, spin, evaluations)
-            if next[1] == f64(1.0):
-                phase = MARCH_RIGHT
-                if not straddles(a, b):
-                    a = best
-                    b = best
-                here = b
-        if phase == MARCH_RIGHT:
-            next = march_point(here, right, best.tau, tolerance, curvature, spin, floor)
-            if next[1] == f64(1.0):
-                phase = MARCH_LEFT
-                here = a
-        if phase == MARCH_LEFT:
-            next = march_point(here, left, best.tau, tolerance, curvature, spin, floor)
-            if next[1] == f64(1.0):
-                out.converged = 1
-                break
-        at = side_of(chord_at(cutter, motion, row, origin, direction, next[0]), side)
-        evaluations += 1
-        if at.found == 0 and left.found == 1 and right.found == 1:
-            out.gap = 1
-            out.to_x = at.x
-            out.converged = 1
-            break
-        earlier = at.tau < best.tau - f64(0.5) * tolerance
-        if at.tau < best.tau:
-            best = at
-        if phase == DESCEND:
-            if replaces_left(a, b, at):
-                a = at
-            else:
-                b = at
-        elif at.found == 0 and phase == MARCH_RIGHT:
-            out.to_x = at.x
-            phase = MARCH_LEFT
-            here = a
-        elif at.found == 0:
-            out.from_x = at.x
-            out.converged = 1
-            break
-        elif earlier and phase == MARCH_RIGHT:
-            a = at
-            b = right
-            phase = DESCEND
-        elif earlier:
-            a = left
-            b = at
-            phase = DESCEND
-        else:
-            here = at
-    out.tau = best.tau
+    while evaluations < MAX_EVALUATIONS and s.phase != DONE:
+        s = aim(s, left, right, tolerance, motion.acceleration[row], motion.spin[row], evaluations)
+        if s.phase != DONE:
+            at = side_of(chord_at(cutter, motion, row, origin, direction, s.x), side)
+            evaluations += 1
+            s = take(s, at, left, right, tolerance)
+    out = Extreme()
+    out.tau = s.best.tau
+    out.from_x = s.from_x
+    out.to_x = s.to_x
+    out.gap = s.gap
+    if s.phase == DONE:
+        out.converged = 1
     return out
