@@ -4,6 +4,10 @@ import warp as wp
 
 f64 = wp.float64
 
+# Circles that stand still or move along their axis, as in geometry/grazing.py.
+AT_REST = wp.constant(f64(1e-10))
+PARALLEL = wp.constant(f64(1e-11))
+
 wp.set_module_options({"enable_backward": False})
 
 
@@ -27,9 +31,12 @@ def grazing_point(
     b = nz * wp.dot(axis, tip_rate)
     flat = g - wp.dot(axis, g) * axis
     size2 = wp.dot(flat, flat)
+    travel2, spin2 = wp.dot(tip_rate, tip_rate), wp.dot(axis_rate, axis_rate)
+    parts2 = nr * nr * travel2 + (z * z * nr * nr + r * r * nz * nz) * spin2
+    moves = size2 > PARALLEL * PARALLEL * parts2 and travel2 + (r * r + z * z) * spin2 > AT_REST * AT_REST
     inside = size2 - b * b
     out.exists = 0
-    if inside >= f64(0.0) and size2 > f64(0.0):
+    if moves and inside >= f64(0.0):
         out.exists = 1
         u = (branch * wp.sqrt(inside) * wp.cross(axis, flat) - b * flat) / size2
         out.point = tip + z * axis + r * u

@@ -9,9 +9,11 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from gearsim.cutters.element import Element
 from gearsim.cutters.profile import Profile
+from gearsim.envelope.roots import roots, sign_changes
 from gearsim.envelope.seeds import Guess, angle_seeds, distinct, envelope_seeds, standing_tools, with_neighbours
-from gearsim.envelope.surface import arc_jet, edge_jet, envelope_points
+from gearsim.envelope.surface import arc_jet, disc_jet, edge_jet, envelope_points
 from gearsim.envelope.trim import distance_rate
 from gearsim.geometry.rays import RayBundle
 from gearsim.motion.sources import MotionSource
@@ -66,8 +68,9 @@ def all_candidates(rays: RayBundle, source: MotionSource, cutter: Profile, thoro
     if thorough:
         at_joints = standing_tools(rays, source, cutter)
     parts = [found, _pose_crossings(rays, source, cutter, at_joints)]
-    if cutter.edges:
-        parts.append(_edge_crossings(rays, source, cutter, thorough))
+    edges = _circles(cutter, thorough)
+    if edges:
+        parts.append(_edge_crossings(rays, source, cutter, edges, thorough))
     joined = _joined(parts)
     inside = (joined.tau >= rays.start[joined.ray]) & (joined.tau <= rays.end[joined.ray])
     return Crossings(*(column[inside] for column in joined))
@@ -90,30 +93,55 @@ def _envelope_crossings(
     ray = np.concatenate([solved.ray[early], solved.ray[late]])
     joint = np.concatenate([solved.piece[early], solved.piece[late] + 1])
     found = _on_the_profile(cutter, solved, tau, settled)
-    if thorough and any(e.is_arc for e in cutter.elements):
-        found = _joined([found, _arc_crossings(rays, source, cutter)])
+    if thorough:
+        arcs = [i for i, e in enumerate(cutter.elements) if e.is_arc]
+        discs = [i for i, e in enumerate(cutter.elements) if e.is_flat]
+        found = _joined(
+            [found, *(_folded_crossings(rays, source, cutter, *c) for c in ((arcs, arc_jet), (discs, disc_jet)))]
+        )
     return found, (ray, joint)
 
 
-def _arc_crossings(rays: RayBundle, source: MotionSource, cutter: Profile) -> Crossings:
-    """ENVELOPE crossings of the profile's arcs in the chart that is regular where the usual one folds."""
+def _folded_crossings(
+    rays: RayBundle,
+    source: MotionSource,
+    cutter: Profile,
+    elements: list[int],
+    chart: Callable[..., tuple[NDArray, ...]],
+) -> Crossings:
+    """ENVELOPE crossings of arcs or discs in the chart that is regular where the usual one folds."""
 
     def jet(piece: NDArray, t: NDArray, element: NDArray, angle: NDArray, _: NDArray | None = None) -> JetPoints:
-        return arc_jet(source, cutter, piece, t, element, angle)[:3]
+        point, by_t, by_angle, *_rest = chart(source, cutter, piece, t, element, angle)
+        return point, by_t, by_angle
 
-    arcs = [i for i, e in enumerate(cutter.elements) if e.is_arc]
-    solved, tau, settled = _solve_angles(rays, source, arcs, jet, thorough=True)
-    *_, s, branch = arc_jet(source, cutter, solved.piece, solved.t, solved.element, solved.place)
+    if not elements:
+        return Crossings(*(np.empty(0, dtype=k) for k in (int, float, int, int, float, int, float, float)))
+    solved, tau, settled = _solve_angles(rays, source, elements, jet, thorough=True)
+    *_, s, branch = chart(source, cutter, solved.piece, solved.t, solved.element, solved.place)
     return _on_the_profile(cutter, solved._replace(place=s, branch=branch), tau, settled)
 
 
-def _edge_crossings(rays: RayBundle, source: MotionSource, cutter: Profile, thorough: bool) -> Crossings:
-    """EDGE crossings: sharp circles of the profile swept along the motion."""
+def _circles(cutter: Profile, thorough: bool) -> tuple[int, ...]:
+    """Sharp edges of the profile; if ``thorough``, the rims of its discs and annuli too.
+
+    A disc that slides in its own plane has no grazing point, and its rim sweeps what it leaves.
+    """
+    flats = [i for i, e in enumerate(cutter.elements) if e.is_flat] if thorough else []
+    rims = [i for i in flats if cutter.elements[i].end[0] > 0.0]
+    rims += [(i - 1) % len(cutter.elements) for i in flats if cutter.elements[i].start[0] > 0.0]
+    return tuple(sorted({*cutter.edges, *rims}))
+
+
+def _edge_crossings(
+    rays: RayBundle, source: MotionSource, cutter: Profile, edges: tuple[int, ...], thorough: bool
+) -> Crossings:
+    """EDGE crossings: circles of the profile swept along the motion."""
 
     def jet(piece: NDArray, t: NDArray, edge: NDArray, angle: NDArray, _: NDArray | None = None) -> JetPoints:
         return edge_jet(source, cutter, piece, t, edge, angle)
 
-    solved, tau, settled = _solve_angles(rays, source, cutter.edges, jet, thorough)
+    solved, tau, settled = _solve_angles(rays, source, edges, jet, thorough)
     good = settled & _within(solved.t, 1.0)
     n = int(good.sum())
     return Crossings(
@@ -131,11 +159,23 @@ def _solve_angles(
 
 
 def _on_the_profile(cutter: Profile, solved: Guess, tau: NDArray, settled: NDArray) -> Crossings:
-    """The settled solutions that lie on their piece of the path and their element of the profile."""
+    """The settled solutions that lie on their piece of the path and their element of the profile.
+
+    Past the axis a ball's arc or a disc runs back over itself: such places are turned back onto the element.
+    """
     length = np.array([e.length for e in cutter.elements])[solved.element]
-    good = settled & _within(solved.t, 1.0) & _within(solved.place, length)
-    ray, piece, t, element, place, branch = (column[good] for column in solved)
+    starts, ends = np.array([_on_the_axis(e) for e in cutter.elements])[solved.element].T
+    place = np.where(starts, np.abs(solved.place), solved.place)
+    place = np.where(ends, length - np.abs(length - place), place)
+    good = settled & _within(solved.t, 1.0) & _within(place, length)
+    ray, piece, t, element, place, branch = (column[good] for column in solved._replace(place=place))
     return Crossings(ray, tau[good], np.full(len(ray), Kind.ENVELOPE), piece, t, element, place, branch)
+
+
+def _on_the_axis(e: Element) -> tuple[bool, bool]:
+    """Whether the element crosses the axis at right angles where it starts, and where it ends."""
+    square = e.is_flat or (e.is_arc and abs(e.centre[0]) < 1e-12)
+    return square and e.start[0] < 1e-12, square and e.end[0] < 1e-12
 
 
 def _joined(parts: list[Crossings]) -> Crossings:
@@ -225,22 +265,11 @@ def _tool_crossings(rays: RayBundle, source: MotionSource, cutter: Profile, join
     fraction = np.linspace(0.0, 1.0, _PROBES)
     tau = rays.start[:, None] + (rays.end - rays.start)[:, None] * fraction
     f = distance(np.arange(len(rays))[:, None], tau)
-    row, k = np.nonzero((f[:, :-1] > 0.0) != (f[:, 1:] > 0.0))
-    return _root(lambda x: distance(row, x), tau[row, k], tau[row, k + 1], f[row, k], f[row, k + 1]), row
-
-
-def _root(f: Callable[[NDArray], NDArray], a: NDArray, b: NDArray, fa: NDArray, fb: NDArray) -> NDArray:
-    """Roots in brackets [a, b] by secant steps with bisection."""
-    for i in range(80):
-        x = 0.5 * (a + b) if i % 3 == 2 else (a * fb - b * fa) / (fb - fa)
-        x = np.clip(np.where(np.isfinite(x), x, 0.5 * (a + b)), np.minimum(a, b), np.maximum(a, b))
-        fx = f(x)
-        left = (fx > 0.0) == (fa > 0.0)
-        a, fa = np.where(left, x, a), np.where(left, fx, fa)
-        b, fb = np.where(left, b, x), np.where(left, fb, fx)
-        if np.max(np.minimum(np.abs(b - a), np.minimum(np.abs(fa), np.abs(fb))), initial=0.0) < 1e-14:
-            break
-    return np.where(np.abs(fa) < np.abs(fb), a, b)
+    row = np.repeat(np.arange(len(rays)), _PROBES - 1)
+    row, a, b, fa, fb = sign_changes(
+        distance, row, *(c.ravel() for c in (tau[:, :-1], tau[:, 1:], f[:, :-1], f[:, 1:]))
+    )
+    return roots(lambda x: distance(row, x), a, b, fa, fb), row
 
 
 def _within(value: NDArray, length: NDArray | float) -> NDArray:

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gearsim.cutters.profile import Profile
-from gearsim.geometry.grazing import Grazing, PoseJet, grazing_points
+from gearsim.geometry.grazing import AT_REST, Grazing, PoseJet, grazing_points
 from gearsim.motion.sources import MotionSource
 
 BRANCHES = (1.0, -1.0)
@@ -82,6 +82,36 @@ def arc_jet(
     g = nr * pose.tip_rate + ((zc + rho * nz) * nr - (rc + rho * nr) * nz) * pose.axis_rate
     branch = np.where(_dot(u, np.cross(pose.axis, g)) < 0.0, -1.0, 1.0)
     return point, by_t, by_angle, (rho * (np.arctan2(nz, nr) - first))[:, 0], branch[:, 0]
+
+
+def disc_jet(
+    source: MotionSource, cutter: Profile, piece: NDArray, t: NDArray, element: NDArray, place: NDArray
+) -> tuple[NDArray, NDArray, NDArray, NDArray, NDArray]:
+    """The envelope of discs and annuli over (t, place along the line of contact) instead of (t, radius).
+
+    In a plane normal to the axis the points x from the axis with l . p' = l' . x graze: a line. This chart is
+    regular where the line comes nearest to the axis and the other one folds. ``place`` runs over 0 to 2 pi for
+    the whole diameter. Returns what ``arc_jet`` does; nan where the axis does not turn.
+    """
+    pose = pose_jet(source, piece, t)
+    rows = [(e.start[0], e.end[0], e.start[1]) for e in cutter.elements]
+    start, end, z = (np.array(c)[element][:, None] for c in zip(*rows, strict=True))
+    half = np.maximum(start, end)
+    along = half * (place[:, None] / np.pi - 1.0)
+    with np.errstate(invalid="ignore", divide="ignore"):
+        turn2 = _dot(pose.axis_rate, pose.axis_rate)
+        turn2 = np.where(turn2 > AT_REST**2, turn2, np.nan)
+        line = np.cross(pose.axis, pose.axis_rate) / np.sqrt(turn2)
+        line_t = np.cross(pose.axis, pose.axis_rate2) / np.sqrt(turn2)
+        line_t -= _dot(line_t, line) * line
+        foot = _dot(pose.axis, pose.tip_rate) / turn2
+        rise_t = _dot(pose.axis_rate, pose.tip_rate) + _dot(pose.axis, pose.tip_rate2)
+        foot_t = (rise_t - 2.0 * foot * _dot(pose.axis_rate, pose.axis_rate2)) / turn2
+    x = foot * pose.axis_rate + along * line
+    by_t = pose.tip_rate + z * pose.axis_rate + foot_t * pose.axis_rate + foot * pose.axis_rate2 + along * line_t
+    branch = np.where((along < 0.0) == (end > start), -1.0, 1.0)
+    s = np.sign(end - start) * (np.linalg.norm(x, axis=1, keepdims=True) - start)
+    return pose.tip + z * pose.axis + x, by_t, half / np.pi * line, s[:, 0], branch[:, 0]
 
 
 def _radial(axis: NDArray, angle: NDArray) -> tuple[NDArray, NDArray]:

@@ -150,8 +150,8 @@ def circular_grazing(surface: CircularSurface, h: NDArray, frame: FrameSeries, b
     velocity = _turned(rotation[1], family.centre) + origin[1]
     across = np.cross(_turned(rotation[0], family.normal).value, velocity.value)
     size, speed = np.linalg.norm(across, axis=1), np.linalg.norm(velocity.value, axis=1)
-    steep = np.abs(family.cosine.value) * speed > size
-    exists = ~steep & (size > PARALLEL * speed) & (speed > AT_REST)
+    parts = np.linalg.norm(velocity.value - origin[1], axis=1) + np.linalg.norm(origin[1], axis=1)
+    exists = (np.abs(family.cosine.value) * speed <= size) & (size > PARALLEL * parts) & (parts > AT_REST)
     side = np.where(exists, branch, np.nan)
     with np.errstate(invalid="ignore", divide="ignore"):
         n_h = _normal(_turned(rotation[0], family.normal), velocity, family.cosine, side)

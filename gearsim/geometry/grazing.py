@@ -21,10 +21,10 @@ from numpy.typing import NDArray
 
 from gearsim.geometry.jets import Curvature, weingarten_curvature
 
-# A circle whose centre moves less than this [mm] in a unit of the motion's parameter stands still; one that
-# moves across its axis by less than this share of its way moves along it.
-AT_REST = 1e-12
-PARALLEL = 1e-12
+# A circle that moves less than this [mm] in a unit of the motion's parameter stands still; one whose effective
+# centre moves across its axis by less than this share of the motions it is made of moves along it.
+AT_REST = 1e-10
+PARALLEL = 1e-11
 
 
 class MeridianPoints(NamedTuple):
@@ -84,8 +84,9 @@ def grazing_points(pose: PoseJet, meridian: MeridianPoints, branch: NDArray) -> 
     along = _dot(pose.axis, g)
     flat = g - along * pose.axis
     size2 = _dot(flat, flat)
-    speed2 = size2 + along * along
-    moves = (size2 > PARALLEL**2 * speed2) & (speed2 > AT_REST**2)
+    travel2, spin2 = _dot(pose.tip_rate, pose.tip_rate), _dot(pose.axis_rate, pose.axis_rate)
+    parts2 = nr**2 * travel2 + ((z * nr) ** 2 + (r * nz) ** 2) * spin2
+    moves = (size2 > PARALLEL**2 * parts2) & (travel2 + (r**2 + z**2) * spin2 > AT_REST**2)
     size2 = np.where(moves & (size2 >= b * b), size2, np.nan)
     with np.errstate(invalid="ignore", divide="ignore"):
         side = np.cross(pose.axis, flat)
