@@ -57,7 +57,7 @@ class Grazing(NamedTuple):
 
     ``normal`` points out of the tool, so into the gear; ``exists``, shape (n,), is False where the
     direction of motion is too steep for the profile's angle (Zhou 2.24), where it is along the axis and where
-    the circle stands still; the rest is nan there.
+    the circle stands still; the rest is nan there. Derivatives are nan where the two branches meet.
     """
 
     exists: NDArray
@@ -94,6 +94,7 @@ def grazing_points(pose: PoseJet, meridian: MeridianPoints, branch: NDArray) -> 
         u = (branch[:, None] * root * side - b * flat) / size2
         w = np.cross(pose.axis, u)
         across = _dot(w, g)
+        across = np.where(across == 0.0, np.nan, across)
         g_s = -bend * nz * pose.tip_rate + lever_s * pose.axis_rate
         u_s = -(_dot(u, g_s) + bend * nr * rise) / across * w
         g_t = nr * pose.tip_rate2 + lever * pose.axis_rate2
