@@ -83,6 +83,26 @@ def _parser() -> argparse.ArgumentParser:
     new.add_argument("--like", default="spiral-bevel-flank", help="built-in scene to copy (default: %(default)s)")
     new.set_defaults(command=_new)
 
+    verify = commands.add_parser(
+        "verify",
+        help="check closed-form surfaces against brute force that uses no envelope condition",
+        description="Check closed-form machined surfaces at random points: distance to the tool over its whole motion, "
+        "side, normals, curvatures. A formula of your own: --surface; points of your own: --points-file.",
+        epilog="examples:\n  gearsim verify\n  gearsim verify spiral-bevel-flank --points 2000 --out verify.json\n"
+        "  gearsim verify --surface my_surface.py\n  gearsim verify spiral-bevel-flank --points-file points.csv\n\n"
+        "exit codes:\n  0  every closed form passed\n  1  one failed, the table says which\n  2  bad input\n",
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )
+    verify.add_argument("scenes", nargs="*", metavar="SCENE", help="built-in scenes or .toml files (default: all)")
+    verify.add_argument("--surface", type=Path, metavar="FILE", help="a Python file: cutter, motion, points(u, v)")
+    verify.add_argument("--points-file", type=Path, metavar="FILE", help="check this point list (.csv or .parquet)")
+    verify.add_argument("--write-points", type=Path, metavar="FILE", help="write the surfaces as point lists instead")
+    verify.add_argument("--points", type=_positive, default=500, help="points per surface (default: %(default)s)")
+    verify.add_argument("--seed", type=int, default=1, help="seed of the random points (default: %(default)s)")
+    verify.add_argument("--limit-mm", type=float, default=1e-9, help="largest distance error (default: %(default)s)")
+    verify.add_argument("--out", type=Path, metavar="FILE", help="also write the figures as JSON to this file")
+    verify.set_defaults(command=_verify)
+
     bench = commands.add_parser("bench", help="measure speed: rays, segments and ray-segment pairs per second")
     bench.add_argument("suite", nargs="?", help="the suite to run (default: list them)")
     bench.add_argument("--device", default="cpu", help="cpu or cuda:0, ...")
@@ -145,6 +165,34 @@ def _new(options: argparse.Namespace) -> int:
         raise InputError(f"cannot write {target}: {error.strerror}") from error
     print(f"wrote {target}; edit it, then: gearsim run {target}")
     return 0
+
+
+def _positive(text: str) -> int:
+    if not text.isdecimal() or int(text) < 1:
+        raise argparse.ArgumentTypeError(f"expected a whole number above 0, got {text!r}")
+    return int(text)
+
+
+def _verify(options: argparse.Namespace) -> int:
+    from gearsim.output.summary import write_json
+    from gearsim.verify.checks import Limits
+    from gearsim.verify.command import subjects_of, verify_all, verify_list, write_lists
+    from gearsim.verify.report import exit_code, print_report, summary
+
+    limits = Limits(distance_mm=options.limit_mm)
+    subjects = subjects_of(options.scenes, options.surface)
+    if options.write_points:
+        for file in write_lists(subjects, options.write_points):
+            print(f"wrote {file}")
+        return 0
+    if options.points_file:
+        reports = verify_list(subjects, options.points_file, limits)
+    else:
+        reports = verify_all(subjects, options.points, options.seed, limits)
+    print_report(reports)
+    if options.out:
+        write_json(summary(reports, limits, options.seed), options.out)
+    return exit_code(reports)
 
 
 def _bench(options: argparse.Namespace) -> int:

@@ -1,0 +1,215 @@
+"""The four checks of a closed-form machined surface, at random points, and what came out of them."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gearsim.geometry.jets import Curvature
+from gearsim.verify.brute_force import Least, distance_at, gradient_at, least_distance
+from gearsim.verify.closed_form import Claimed, ClosedForm
+from gearsim.verify.differences import curvature_gap, differentiate
+
+CHECKS = ("distance", "sign", "normal", "curvature")
+SIGN_STEP = 1e-3
+NEAR = 1e-4
+_SIGN_TOLERANCE = 1e-5
+_SETTLED = 0.1
+_NUDGE = 1e-5
+_SLOPE = 1e-6
+
+
+@dataclass(frozen=True)
+class Limits:
+    """Largest errors allowed: distance [mm], normal [rad], curvature relative to the larger principal one."""
+
+    distance_mm: float = 1e-9
+    normal_rad: float = 1e-6
+    curvature: float = 1e-6
+
+
+LIMITS = Limits()
+
+
+@dataclass(frozen=True)
+class Check:
+    """One check of one surface: points checked, failed, left out because their differences do not settle.
+
+    ``worst`` is the largest error (mm, rad, relative; for the sign the least distance to the tool at 1 um,
+    positive on the right side), None where nothing was checked; ``place_mm`` where that is.
+    """
+
+    checked: int = 0
+    failed: int = 0
+    unsettled: int = 0
+    worst: float | None = None
+    place_mm: tuple[float, ...] | None = None
+
+    @property
+    def passed(self) -> bool:
+        """No failure, and not most points left out: differences settle on any smooth surface."""
+        return not self.failed and self.unsettled <= self.checked
+
+
+@dataclass(frozen=True)
+class FormReport:
+    """What the checks found about one surface.
+
+    Of ``points`` random ones the formula has none at ``missing``; ``trimmed`` are cut away by another pose.
+    ``certain_mm`` is how much less than found the least distance could be.
+    """
+
+    name: str
+    flank: str
+    points: int
+    missing: int = 0
+    trimmed: int = 0
+    certain_mm: float | None = None
+    checks: dict[str, Check] = field(default_factory=dict)
+
+    @property
+    def verdict(self) -> str:
+        """``pass``, ``fail``, or ``nothing`` where there was no point to check."""
+        if not any(c.checked or c.unsettled for c in self.checks.values()):
+            return "nothing"
+        return "pass" if all(c.passed for c in self.checks.values()) else "fail"
+
+
+def verify_form(form: ClosedForm, points: int, seed: int, limits: Limits = LIMITS) -> FormReport:
+    """Check a closed form at ``points`` random points of its chart."""
+    u, v = np.random.default_rng(seed).uniform(size=(2, points))
+    claimed = form.claims(u, v)
+    there = claimed.there
+    report = FormReport(form.name, form.flank, points, missing=int(np.sum(~there)))
+    if not there.any():
+        return report
+    u, v, claimed = u[there], v[there], _pick(claimed, there)
+    least = least_distance(form.motion, form.cutter, claimed.point, 0.1 * limits.distance_mm)
+    error, trimmed = _distance_error(form, claimed, least, limits)
+    kept = ~trimmed
+    u, v, claimed, error = u[kept], v[kept], _pick(claimed, kept), error[kept]
+    least = Least(*(c[kept] for c in least))
+    report = replace(report, trimmed=int(trimmed.sum()), certain_mm=most(least.distance - least.bound))
+    checks = {"distance": check(error, limits.distance_mm, claimed.point)}
+    checks["sign"] = sign_check(form, claimed.point, claimed.normal, least)
+    checks |= _difference_checks(form, u, v, claimed, least, limits)
+    return replace(report, checks=checks)
+
+
+def _distance_error(form: ClosedForm, claimed: Claimed, least: Least, limits: Limits) -> tuple[NDArray, NDArray]:
+    """How far from the tool points are, at the claimed pose and at the closest one; and whether they are trimmed.
+
+    Trimmed is a point that another pose cuts away, if the claimed pose really touches it: the distance there
+    is zero and does not change as the tool moves on. Else a wrong point could hide among the trimmed ones.
+    """
+    error, trimmed = np.abs(least.distance), np.zeros(len(least.t), dtype=bool)
+    if claimed.t is not None:
+        at = distance_at(form.motion, form.cutter, claimed.point, claimed.pieces, claimed.t)
+        error = np.maximum(np.abs(at), np.abs(np.minimum(at, least.distance)))
+        touches = np.abs(at) <= limits.distance_mm
+        touches[touches] &= _slope(form, _pick(claimed, touches)) <= _SLOPE
+        trimmed = touches & (least.distance < -limits.distance_mm)
+    return error, trimmed
+
+
+def _slope(form: ClosedForm, claimed: Claimed) -> NDArray:
+    """Change of the distance per length that the tool's tip and far end move, at the claimed poses."""
+    assert claimed.t is not None
+    tip, axis = (s.derivatives() for s in form.motion.pose(claimed.pieces, claimed.t, 1))
+    speed = np.linalg.norm(tip[1], axis=1) + form.cutter.reach * np.linalg.norm(axis[1], axis=1)
+    step = np.minimum(_NUDGE / np.maximum(speed, 1e-12), 1e-3)
+    ahead, back = (
+        distance_at(form.motion, form.cutter, claimed.point, claimed.pieces, claimed.t + s * step) for s in (1.0, -1.0)
+    )
+    return np.abs(ahead - back) / (2.0 * step * np.maximum(speed, 1e-12))
+
+
+def sign_check(form: ClosedForm, point: NDArray, normal: NDArray, least: Least) -> Check:
+    """Moved by 1 um out of the material a point must be cut, moved into it it must stay uncut.
+
+    Points farther than 0.1 um from the machined surface say nothing about the sign and are not checked; those on
+    a ridge so sharp that another pose cuts within 1 um of them are left out.
+    """
+    near = np.abs(least.distance) <= NEAR
+    point, step, piece, t = point[near], SIGN_STEP * normal[near], least.piece[near], least.t[near]
+    if not len(point):
+        return Check()
+    out, into = (distance_at(form.motion, form.cutter, point + s * step, piece, t) for s in (1.0, -1.0))
+    right = (out < 0.0) & (into > 0.0)
+    margin = np.minimum(-out, into)
+    anywhere = least_distance(form.motion, form.cutter, (point - step)[right], _SIGN_TOLERANCE)
+    ridge = np.zeros(len(point), dtype=bool)
+    ridge[right] = anywhere.bound <= 0.0
+    margin[right] = np.minimum(margin[right], anywhere.distance)
+    kept = ~ridge
+    if not kept.any():
+        return Check(unsettled=len(point))
+    worst = int(np.argmin(np.where(kept, margin, np.inf)))
+    failed = int(np.sum(~right))
+    return Check(int(kept.sum()), failed, int(ridge.sum()), float(margin[worst]), tuple(point[worst].tolist()))
+
+
+def _difference_checks(
+    form: ClosedForm, u: NDArray, v: NDArray, claimed: Claimed, least: Least, limits: Limits
+) -> dict[str, Check]:
+    """Normals and curvatures against differences of the points; the tool tells which side is out of the material."""
+    found = differentiate(_finite(form), u, v, form.joints)
+    angle = np.linalg.norm(np.cross(found.normal, claimed.normal), axis=1)
+    settled = found.normal_error <= _SETTLED * limits.normal_rad
+    checks = {"normal": check(angle, limits.normal_rad, claimed.point, settled)}
+    if claimed.curvature is not None:
+        into_gear = gradient_at(form.motion, form.cutter, claimed.point, least.piece, least.t)
+        ours = _oriented(found.curvature, np.einsum("ij,ij->i", found.normal, into_gear) > 0.0)
+        settled = found.curvature_error <= _SETTLED * limits.curvature
+        gap = curvature_gap(claimed.curvature, ours)
+        checks["curvature"] = check(gap, limits.curvature, claimed.point, settled)
+    return checks
+
+
+def _finite(form: ClosedForm) -> Callable[[NDArray, NDArray], NDArray]:
+    """The form's points, nan where it has none."""
+
+    def points(u: NDArray, v: NDArray) -> NDArray:
+        claimed = form.claims(u, v)
+        return np.where(claimed.there[:, None], claimed.point, np.nan)
+
+    return points
+
+
+def _oriented(c: Curvature, flip: NDArray) -> Curvature:
+    """Curvatures with the normal turned round where ``flip``."""
+    sign = np.where(flip, -1.0, 1.0)
+    k1, k2 = np.where(flip, -c.k2, c.k1), np.where(flip, -c.k1, c.k2)
+    return replace(c, mean=sign * c.mean, k1=k1, k2=k2)
+
+
+def check(error: NDArray, limit: float, place: NDArray, settled: NDArray | None = None) -> Check:
+    """A check from its errors; one that is not a number has failed."""
+    settled = np.ones(len(error), dtype=bool) if settled is None else settled
+    if not settled.any():
+        return Check(unsettled=len(error))
+    error, place = np.where(np.isnan(error), np.inf, error)[settled], place[settled]
+    worst = int(np.argmax(error))
+    failed, unsettled = int(np.sum(error > limit)), int(np.sum(~settled))
+    return Check(len(error), failed, unsettled, float(error[worst]), tuple(place[worst].tolist()))
+
+
+def _pick(claimed: Claimed, rows: NDArray) -> Claimed:
+    """Some of the claims."""
+
+    def pick(column: NDArray | None) -> NDArray | None:
+        return None if column is None else column[rows]
+
+    curvature = claimed.curvature
+    if curvature is not None:
+        names = ("gaussian", "mean", "k1", "k2", "direction1", "direction2")
+        curvature = Curvature(*(getattr(curvature, n)[rows] for n in names))
+    optional = (pick(claimed.exists), curvature, pick(claimed.t), pick(claimed.piece))
+    return Claimed(claimed.point[rows], claimed.normal[rows], *optional)
+
+
+def most(values: NDArray) -> float | None:
+    return float(values.max()) if len(values) else None

@@ -1,0 +1,34 @@
+"""Which closed forms a scene declares; a scene of a kind not listed has none."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+from gearsim.errors import read_input
+from gearsim.motion.sources import CLMotion
+from gearsim.programs.cldata import RAPID, parse_cl
+from gearsim.scene import FlankMillingScene, Scene
+from gearsim.surfaces.ruled_bevel import SIDES
+from gearsim.toolpaths.flank import FlankPath
+from gearsim.verify.closed_form import ClosedForm, envelope_forms
+
+
+def closed_forms(scene: Scene, folder: Path) -> list[ClosedForm]:
+    """The closed forms a scene declares; ``folder`` is where its files are looked up."""
+    return next((declare(scene, folder) for kind, declare in FORMS.items() if isinstance(scene, kind)), [])
+
+
+def _flank_milling(scene: FlankMillingScene, folder: Path) -> list[ClosedForm]:
+    """The envelopes of the cutter's profile elements under each flank's planned path, or each path of its CL file."""
+    tooth, cutter, table = scene.tooth(), scene.tool(), scene.toolpath
+    if table.file is not None:
+        program = parse_cl(read_input(folder / table.file, "CL file"), str(folder / table.file))
+        sources = {p.name: CLMotion(p.tips, p.axes) for p in program.paths if p.name != RAPID}
+        return [form for name, source in sources.items() for form in envelope_forms(source, cutter, name)]
+    motions = {side: FlankPath(tooth, side, cutter, table.run_mm).motion for side in SIDES}
+    return [form for side, motion in motions.items() for form in envelope_forms(motion, cutter, side)]
+
+
+FORMS: dict[type[Scene], Callable[[Any, Path], list[ClosedForm]]] = {FlankMillingScene: _flank_milling}
