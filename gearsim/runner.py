@@ -9,8 +9,10 @@ from typing import Protocol
 
 import numpy as np
 
+from gearsim import generating
 from gearsim.envelope import prepare_envelope
 from gearsim.errors import Status
+from gearsim.generating import GeneratingJob
 from gearsim.job import Job, plan
 from gearsim.metrology.bevel import (
     Convergence,
@@ -29,7 +31,7 @@ from gearsim.metrology.samples import SampleGrid, sample_grid
 from gearsim.motion.segments import join
 from gearsim.programs.cldata import RAPID
 from gearsim.result import GEAR_FRAME, FlankMillingResult, Result, Verdict, versions
-from gearsim.scene import FlankMillingScene, Scene, load_scene, scene_table
+from gearsim.scene import FlankMillingScene, GeneratedScene, Scene, load_scene, scene_table
 from gearsim.simulation.removal import prepare
 from gearsim.surfaces.ruled_bevel import SIDES, Side
 
@@ -67,15 +69,24 @@ def run(
     if not isinstance(scene, Scene):
         scene, found_in = load_scene(scene, overrides)
         folder = folder or found_in
-    assert isinstance(scene, FlankMillingScene)
-    job = plan(scene, folder or Path())
+    job: Job | GeneratingJob
+    if isinstance(scene, FlankMillingScene):
+        job = plan(scene, folder or Path())
+    else:
+        assert isinstance(scene, GeneratedScene)
+        job = generating.plan(scene)
     planned = perf_counter()
     progress.stage("compiling kernels", 0)
     compile_s = prepare(device) + prepare_envelope()
-    simulation = job.scene.simulation
-    machine = MeasuringMachine(job.cutter, device, simulation.tolerance_mm, simulation.interval_slots, progress.advance)
-    progress.stage("cutting and measuring", job.ray_count() + job.envelope_samples())
-    result = _measure(job, machine, device)
+    settings = job.scene.simulation
+    machine = MeasuringMachine(job.cutter, device, settings.tolerance_mm, settings.interval_slots, progress.advance)
+    result: Result
+    if isinstance(job, GeneratingJob):
+        progress.stage("cutting and measuring", job.ray_count() + job.samples())
+        result = generating.measure(job, machine, device)
+    else:
+        progress.stage("cutting and measuring", job.ray_count() + job.envelope_samples())
+        result = _measure(job, machine, device)
     timings = {"compile": compile_s, "plan": planned - started, "kernel": machine.kernel_s}
     return replace(result, timings_s={**timings, "total": perf_counter() - started})
 

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import subprocess
 import sys
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
@@ -14,10 +15,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 DATA = "drawing.npz"
-PICTURES = ("slot.png", "blanks.png", "toolpaths.png", "envelopes.png")
 _SIZE = (1400, 1000)
-_STEEL = "#b8bec6"
-_COLOURS = {"convex": "#d1495b", "concave": "#2e6f95"}
+STEEL = "#b8bec6"
+COLOURS = {"convex": "#d1495b", "concave": "#2e6f95"}
 
 
 def start_drawing(folder: Path) -> subprocess.Popen[str]:
@@ -26,10 +26,10 @@ def start_drawing(folder: Path) -> subprocess.Popen[str]:
     return subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
 
 
-def finish_drawing(process: subprocess.Popen[str], folder: Path) -> list[str]:
-    """Wait for the drawing process; says what is missing and why, one line each."""
+def finish_drawing(process: subprocess.Popen[str], folder: Path, pictures: Sequence[str]) -> list[str]:
+    """Wait for the drawing process; says which of the pictures are missing and why, one line each."""
     errors = process.communicate()[1]
-    missing = [name for name in PICTURES if not (folder / name).exists()]
+    missing = [name for name in pictures if not (folder / name).exists()]
     if not missing:
         return []
     reason = (errors.strip().splitlines() or [f"the drawing process ended with code {process.returncode}"])[-1]
@@ -45,36 +45,55 @@ def main(folder: Path) -> None:
 
     pv.OFF_SCREEN = True
     data = dict(np.load(folder / DATA))
-    surfaces = _patches(data)
+    surfaces = patch_meshes(data)
     pv.merge(list(surfaces.values()), merge_points=False).extract_surface(algorithm=None).save(folder / "tooth.vtp")
-    _draw_slot(data, folder / "slot.png")
+    if "tool:profile" in data:
+        from gearsim.output.generated.draw import draw_generated
+
+        draw_generated(data, surfaces, folder)
+        return
+    draw_slot(data, folder / "slot.png")
     _draw_blanks(data, folder / "blanks.png")
     _draw_toolpaths(data, surfaces, folder / "toolpaths.png")
     _draw_envelopes(data, surfaces, folder / "envelopes.png")
 
 
-def _patches(data: dict[str, NDArray]) -> dict[str, Any]:
+def patch_meshes(data: dict[str, NDArray]) -> dict[str, Any]:
     """The machined patches (intended points moved by their deviation) with their measured values."""
-    import pyvista as pv
-
     names = sorted({key.split(":")[1] for key in data if key.startswith("patch:")})
     out = {}
     for number, name in enumerate(names):
         point, normal = data[f"patch:{name}:point"], data[f"patch:{name}:normal"]
         deviation = data[f"patch:{name}:deviation_um"]
-        machined = point + 1e-3 * np.nan_to_num(deviation)[..., None] * normal
-        mesh = pv.StructuredGrid(*(machined[..., None, k] for k in range(3)))
-        mesh["deviation_um"] = deviation.ravel(order="F")
-        mesh["crossing"] = data[f"patch:{name}:crossing"].ravel(order="F")
-        mesh["segment"] = data[f"patch:{name}:segment"].ravel(order="F")
-        mesh["patch"] = np.full(mesh.n_points, number)
-        mesh["intended_normal"] = normal.reshape(-1, 3, order="F")
-        mesh["intended_point_mm"] = point.reshape(-1, 3, order="F")
-        out[name] = mesh
+        values = {
+            "deviation_um": deviation,
+            "crossing": data[f"patch:{name}:crossing"],
+            "segment": data[f"patch:{name}:segment"],
+            "patch": np.full(deviation.shape, number),
+            "intended_normal": normal,
+            "intended_point_mm": point,
+        }
+        out[name] = quads(point + 1e-3 * np.nan_to_num(deviation)[..., None] * normal, values)
     return out
 
 
-def _plotter(views: int = 1) -> Any:
+def quads(points: NDArray, values: dict[str, NDArray]) -> Any:
+    """A mesh of quads between neighbours of a grid of points, (rows, columns, 3), that all exist."""
+    import pyvista as pv
+
+    rows, columns = points.shape[:2]
+    index = np.arange(rows * columns).reshape(rows, columns)
+    faces = np.stack([index[:-1, :-1], index[1:, :-1], index[1:, 1:], index[:-1, 1:]], axis=-1).reshape(-1, 4)
+    flat = points.reshape(-1, 3)
+    faces = faces[np.isfinite(flat[faces]).all(axis=(1, 2))]
+    mesh = pv.PolyData(np.nan_to_num(flat), np.hstack([np.full((len(faces), 1), 4), faces]).ravel())
+    for name, value in values.items():
+        mesh[name] = value.reshape(rows * columns, *value.shape[2:])
+    return mesh.clean()
+
+
+def plotter_with(views: int = 1) -> Any:
+    """A white off-screen scene with views side by side."""
     import pyvista as pv
 
     plotter = pv.Plotter(off_screen=True, window_size=list(_SIZE), shape=(1, views), border=False)
@@ -94,17 +113,17 @@ def _look(plotter: Any, centre: NDArray, data: dict[str, NDArray], distance: flo
     plotter.camera_position = [tuple(eye), tuple(centre), tuple(up)]
 
 
-def _draw_slot(data: dict[str, NDArray], file: Path) -> None:
+def draw_slot(data: dict[str, NDArray], file: Path) -> None:
     """The machined relief coloured by deviation: over its whole range, and within the flank tolerance."""
-    mesh = _relief(data["relief:point"], data["relief:deviation_um"])
+    mesh = quads(data["relief:point"], {"deviation_um": data["relief:deviation_um"]})
     colour = np.asarray(mesh["deviation_um"])
     cut = np.abs(colour[np.isfinite(colour)])
     whole, tolerance = float(np.quantile(cut, 0.999)) if cut.size else 1.0, float(data["tolerance_um"])
-    plotter = _plotter(views=2)
+    plotter = plotter_with(views=2)
     for view, (limit, text) in enumerate(((whole, "whole range"), (tolerance, "range of the flank tolerance"))):
         plotter.subplot(0, view)
         plotter.add_mesh(
-            mesh.copy(), scalars="deviation_um", cmap="RdBu_r", clim=(-limit, limit), nan_color=_STEEL,
+            mesh.copy(), scalars="deviation_um", cmap="RdBu_r", clim=(-limit, limit), nan_color=STEEL,
             ambient=0.3, diffuse=0.65,
             scalar_bar_args={
                 "title": "um" + " " * view, "color": "black", "fmt": "%.3g", "title_font_size": 20,
@@ -114,20 +133,6 @@ def _draw_slot(data: dict[str, NDArray], file: Path) -> None:
         plotter.add_text(f"deviation, {text}\n+ material left, - overcut", color="black", font_size=11)
         _look(plotter, np.asarray(mesh.center), data, 78.0)
     plotter.screenshot(str(file))
-
-
-def _relief(points: NDArray, deviation: NDArray) -> Any:
-    """Quads between neighbouring columns that all hold material."""
-    import pyvista as pv
-
-    rows, columns = deviation.shape
-    index = np.arange(rows * columns).reshape(rows, columns)
-    quads = np.stack([index[:-1, :-1], index[1:, :-1], index[1:, 1:], index[:-1, 1:]], axis=-1).reshape(-1, 4)
-    flat = points.reshape(-1, 3)
-    quads = quads[np.isfinite(flat[quads]).all(axis=(1, 2))]
-    mesh = pv.PolyData(np.nan_to_num(flat), np.hstack([np.full((len(quads), 1), 4), quads]).ravel())
-    mesh["deviation_um"] = deviation.ravel()
-    return mesh.clean()
 
 
 def _turned(polygon: NDArray, start: float, end: float) -> Any:
@@ -146,9 +151,9 @@ def _turned(polygon: NDArray, start: float, end: float) -> Any:
 
 def _draw_blanks(data: dict[str, NDArray], file: Path) -> None:
     """Gear and pinion blank in mesh, part of the gear cut away."""
-    plotter = _plotter()
+    plotter = plotter_with()
     shade = {"smooth_shading": True, "split_sharp_edges": True}
-    plotter.add_mesh(_turned(data["gear:polygon"], -150.0, 150.0), color=_STEEL, **shade)
+    plotter.add_mesh(_turned(data["gear:polygon"], -150.0, 150.0), color=STEEL, **shade)
     pinion = _turned(data["pinion:polygon"], 0.0, 360.0).rotate_y(90.0, inplace=False)
     plotter.add_mesh(pinion, color="#d8b26e", **shade)
     plotter.camera_position = [(-160.0, -200.0, -190.0), (0.0, 0.0, 22.0), (0.0, 0.0, -1.0)]
@@ -159,14 +164,14 @@ def _draw_blanks(data: dict[str, NDArray], file: Path) -> None:
 def _add_slot(plotter: Any, surfaces: dict[str, Any], without: str = "") -> None:
     for name, surface in surfaces.items():
         if name != without:
-            plotter.add_mesh(surface, color=_STEEL, smooth_shading=True)
+            plotter.add_mesh(surface, color=STEEL, smooth_shading=True)
 
 
 def _draw_toolpaths(data: dict[str, NDArray], surfaces: dict[str, Any], file: Path) -> None:
     """Tool axes and tip curves of both passes in the slot, side by side."""
     import pyvista as pv
 
-    plotter = _plotter(views=2)
+    plotter = plotter_with(views=2)
     length = 0.6 * float(data["cutter:height"])
     for view, side in enumerate(("convex", "concave")):
         plotter.subplot(0, view)
@@ -174,7 +179,7 @@ def _draw_toolpaths(data: dict[str, NDArray], surfaces: dict[str, Any], file: Pa
         tip, axis = data[f"path:{side}:tip"], data[f"path:{side}:axis"]
         plotter.add_mesh(pv.lines_from_points(tip), color="black", line_width=4)
         for a, b in zip(tip, tip + length * axis, strict=True):
-            plotter.add_mesh(pv.Line(a, b), color=_COLOURS[side], line_width=3)
+            plotter.add_mesh(pv.Line(a, b), color=COLOURS[side], line_width=3)
         plotter.add_text(f"pass for the {side} flank", color="black", font_size=12)
         _look(plotter, data["patch:bottom:point"].reshape(-1, 3).mean(axis=0), data, 84.0)
     plotter.screenshot(str(file))
@@ -182,15 +187,15 @@ def _draw_toolpaths(data: dict[str, NDArray], surfaces: dict[str, Any], file: Pa
 
 def _draw_envelopes(data: dict[str, NDArray], surfaces: dict[str, Any], file: Path) -> None:
     """Both branches of the cutter flank's untrimmed envelope, one view a pass."""
-    plotter = _plotter(views=2)
+    plotter = plotter_with(views=2)
     for view, side in enumerate(("convex", "concave")):
         plotter.subplot(0, view)
         _add_slot(plotter, surfaces, without=side)
         for branch in ("plus", "minus"):
             points = data[f"envelope:{side}:{branch}"]
             points = points[:, : max(2, int(0.45 * points.shape[1]))]
-            mesh = _relief(points, np.zeros(points.shape[:2]))
-            plotter.add_mesh(mesh, color=_COLOURS[side], opacity=0.6, smooth_shading=True)
+            mesh = quads(points, {})
+            plotter.add_mesh(mesh, color=COLOURS[side], opacity=0.6, smooth_shading=True)
             plotter.add_mesh(mesh.extract_feature_edges(60.0), color="black", line_width=2)
         plotter.add_text(f"envelope of the {side} flank's pass", color="black", font_size=12)
         _look(plotter, data["patch:bottom:point"].reshape(-1, 3).mean(axis=0), data, 88.0)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
@@ -10,8 +11,10 @@ from numpy.typing import NDArray
 from gearsim.envelope import envelope_grid
 from gearsim.metrology.closest import signed_distance
 from gearsim.metrology.deviation import Deviation
+from gearsim.metrology.dexel_check import DexelResult
 from gearsim.metrology.samples import SampleGrid, sample_grid
 from gearsim.result import FlankMillingResult
+from gearsim.surfaces.patch import Patch
 
 _POSES = 25
 _ENVELOPE_POSES = 160
@@ -24,9 +27,8 @@ def write_drawing(result: FlankMillingResult, file: Path) -> None:
     grids = [(f.grid, f.all_passes) for f in result.flanks.values()]
     grids += [(p.grid, p.deviation) for p in result.patches.values()]
     for grid, deviation in grids:
-        arrays |= _patch_arrays(grid, deviation)
-    points, colour = _machined_relief(result)
-    arrays |= {"relief:point": points, "relief:deviation_um": colour}
+        arrays |= patch_arrays(grid, deviation)
+    arrays |= relief_arrays(result.dexels, result.tooth.patches)
     arrays["gear:polygon"] = result.tooth.blank.stock.polygon
     arrays["pinion:polygon"] = result.tooth.blank.mate(result.scene["surface"]["mate_teeth"]).stock.polygon
     arrays["tolerance_um"] = np.array(result.scene["metrology"]["tolerance_um"])
@@ -34,7 +36,8 @@ def write_drawing(result: FlankMillingResult, file: Path) -> None:
     np.savez(file, allow_pickle=False, **arrays)
 
 
-def _patch_arrays(grid: SampleGrid, deviation: Deviation) -> dict[str, NDArray]:
+def patch_arrays(grid: SampleGrid, deviation: Deviation) -> dict[str, NDArray]:
+    """One measured surface."""
     name = grid.patch.name
     return {
         f"patch:{name}:point": grid.point,
@@ -45,25 +48,25 @@ def _patch_arrays(grid: SampleGrid, deviation: Deviation) -> dict[str, NDArray]:
     }
 
 
-def _machined_relief(result: FlankMillingResult) -> tuple[NDArray, NDArray]:
+def relief_arrays(dexels: DexelResult, patches: Sequence[Patch]) -> dict[str, NDArray]:
     """Top of the material in the slot's box, from the bundle across the root.
 
     Points (i, j, 3) in the gear frame, nan where there is no material, and the distance [um] of cut points
     to the intended slot, nan where none of its surfaces is near.
     """
-    box, bundle = result.dexels.box, result.dexels.bundles[2]
+    box, bundle = dexels.box, dexels.bundles[2]
     top, made = np.full(len(bundle.rays), np.nan), np.full(len(bundle.rays), -1)
     top[bundle.left.ray] = bundle.left.hi
     made[bundle.left.ray] = bundle.left.hi_segment
     points = bundle.rays.origin + top[:, None] * bundle.rays.direction
     cut = np.flatnonzero(made >= 0)
     distance = np.full(len(top), np.nan)
-    for patch in result.tooth.patches:
+    for patch in patches:
         here = signed_distance(sample_grid(patch, 9, 65), points[cut])[0]
         nearer = (np.abs(here) < _NEAR) & ~(np.abs(distance[cut]) <= np.abs(here))
         distance[cut[nearer]] = here[nearer]
     shape = (int(box.counts[0]), int(box.counts[1]))
-    return points.reshape(*shape, 3), 1e3 * distance.reshape(shape)
+    return {"relief:point": points.reshape(*shape, 3), "relief:deviation_um": 1e3 * distance.reshape(shape)}
 
 
 def _path_arrays(result: FlankMillingResult) -> dict[str, NDArray]:

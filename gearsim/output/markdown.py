@@ -75,6 +75,18 @@ def _mm(x: float | None) -> str:
     return "–" if x is None else f"{x:.2f}"
 
 
+def third_witness(dexel: dict[str, Any]) -> str:
+    """What the tri-dexel says."""
+    check = dexel["check_um"]["max"]
+    agreement = "no cut ends" if check is None else f"to {1e3 * check:.2g} nm"
+    volumes = ", ".join(f"{v:.2f}" for v in dexel["removed_volume_mm3"])
+    return (
+        f"\nThird witness: {dexel['check_um']['points']} ends of a tri-dexel (rays that do not know the "
+        f"normals) lie where the rays along the normals say {agreement}. Its three "
+        f"bundles find {volumes} mm³ removed from the slot's box.\n"
+    )
+
+
 def um(x: float | None) -> str:
     """A deviation in um with the digits that matter."""
     if x is None:

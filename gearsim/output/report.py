@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from gearsim.output.markdown import findings, not_drawn, pictures, provenance, table, um, verdict
+from gearsim.output.markdown import findings, not_drawn, pictures, provenance, table, third_witness, um, verdict
 
 _ROTATIONS = ("mid_rotation_um", "best_rotation_um")
 
@@ -86,18 +86,12 @@ def _roads(report: dict[str, Any]) -> str:
                         share,
                     ]
                 )
-    dexel = report["tri_dexel"]
-    check = dexel["check_um"]["max"]
-    agreement = "no cut ends" if check is None else f"to {1e3 * check:.2g} nm"
-    volumes = ", ".join(f"{v:.2f}" for v in dexel["removed_volume_mm3"])
     return (
         "## Can the number be trusted?\n\n"
         "Two roads lead to the machined surface: the closed-form envelope of the exact motion, and a kernel "
         "that sweeps the cutter through rays and knows no envelope condition. They must agree to 1 nm.\n\n"
         + table(["Largest gap of the two roads", "nm", "samples", "excluded", "disagree", "classes"], rows)
-        + f"\nThird witness: {dexel['check_um']['points']} ends of a tri-dexel (rays that do not know the "
-        f"normals) lie where the rays along the normals say {agreement}. Its three "
-        f"bundles find {volumes} mm³ removed from the slot's box.\n"
+        + third_witness(report["tri_dexel"])
     )
 
 

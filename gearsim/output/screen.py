@@ -11,7 +11,10 @@ from rich.console import Console
 from rich.progress import BarColumn, Progress, SpinnerColumn, TaskID, TextColumn, TimeElapsedColumn
 from rich.table import Table
 
-from gearsim.result import FlankMillingResult
+from gearsim.metrology.deviation import Deviation
+from gearsim.metrology.dexel_check import DexelResult
+from gearsim.metrology.roads import RoadGap
+from gearsim.result import FlankMillingResult, GeneratingResult, Result
 
 _CONSOLE = Console(highlight=False, width=None if sys.stdout.isatty() else 110)
 
@@ -46,24 +49,9 @@ class ScreenProgress:
             self._bar.advance(self._task, amount)
 
 
-def print_result(result: FlankMillingResult, out: Path, missing: list[str]) -> None:
+def print_result(result: Result, out: Path, missing: list[str]) -> None:
     """The figures a user wants first."""
-    table = Table(title=f"{result.scene['scene']['name']}: deviation in um, + material left, - overcut")
-    for head in ("flank and motion", "min", "max", "mean", "rms"):
-        table.add_column(head, justify="left" if head.startswith("flank") else "right")
-    for side, flank in result.flanks.items():
-        rows = {"own pass, continuous": flank.own, "own pass, CL data": flank.own_cl, "all passes": flank.all_passes}
-        for name, deviation in rows.items():
-            if deviation is not None:
-                um = deviation.summary_um()
-                table.add_row(f"{side}: {name}", *(_um(um[k]) for k in ("min", "max", "mean", "rms")))
-    _CONSOLE.print(table)
-    gaps = [g for f in result.flanks.values() for g in (f.gap, f.gap_cl) if g is not None]
-    _CONSOLE.print(
-        f"Two roads agree to {1e3 * max(g.max_um for g in gaps):.2g} nm over {sum(g.valid for g in gaps):,} samples "
-        f"({sum(g.excluded for g in gaps)} excluded); {result.dexels.checked:,} tri-dexel ends to "
-        f"{1e3 * result.dexels.check_um:.2g} nm."
-    )
+    _print_deviations(result)
     for f in result.findings:
         place = ", ".join(f"{x:.2f}" for x in f.place_mm)
         flag = "[bold red]FAILS[/] " if f.fails else ""
@@ -72,7 +60,7 @@ def print_result(result: FlankMillingResult, out: Path, missing: list[str]) -> N
     for reason in missing:
         _CONSOLE.print(f"[bold yellow]not drawn[/] {reason}")
     t, counts = result.timings_s, result.counts
-    rate = counts["pairs"] / t["kernel"] / 1e6
+    rate = counts["pairs"] / max(t["kernel"], 1e-9) / 1e6
     _CONSOLE.print(
         f"{counts['rays']:,} rays x {counts['segments']} segments, {counts['pairs']:,} pairs in {t['kernel']:.2f} s "
         f"({rate:.2f} M pairs/s) on {result.device}; {t['total']:.1f} s in all."
@@ -80,6 +68,43 @@ def print_result(result: FlankMillingResult, out: Path, missing: list[str]) -> N
     style = {"pass": "bold green", "fail": "bold red", "unchecked": "bold magenta"}[result.verdict]
     detail = "" if result.verdict != "unchecked" else f": {result.status}"
     _CONSOLE.print(f"verdict: [{style}]{result.verdict}[/]{detail}   report: {out / 'report.html'}")
+
+
+def _print_deviations(result: Result) -> None:
+    """Deviations by surface and motion, and how well the roads agree."""
+    table = Table(title=f"{result.name}: deviation in um, + material left, - overcut")
+    for head in ("flank and motion", "min", "max", "mean", "rms"):
+        table.add_column(head, justify="left" if head.startswith("flank") else "right")
+    rows, gaps, dexels = _figures(result)
+    for name, deviation in rows.items():
+        um = deviation.summary_um()
+        table.add_row(name, *(_um(um[k]) for k in ("min", "max", "mean", "rms")))
+    _CONSOLE.print(table)
+    third = f"; {dexels.checked:,} tri-dexel ends to {1e3 * dexels.check_um:.2g} nm" if dexels else ""
+    _CONSOLE.print(
+        f"Two roads agree to {1e3 * max(g.max_um for g in gaps):.2g} nm over {sum(g.valid for g in gaps):,} samples "
+        f"({sum(g.excluded for g in gaps)} excluded){third}."
+    )
+
+
+def _figures(result: Result) -> tuple[dict[str, Deviation], list[RoadGap], DexelResult | None]:
+    if isinstance(result, FlankMillingResult):
+        named = {
+            f"{side}: {name}": deviation
+            for side, flank in result.flanks.items()
+            for name, deviation in (
+                ("own pass, continuous", flank.own),
+                ("own pass, CL data", flank.own_cl),
+                ("all passes", flank.all_passes),
+            )
+            if deviation is not None
+        }
+        gaps = [g for f in result.flanks.values() for g in (f.gap, f.gap_cl) if g is not None]
+        return named, gaps, result.dexels
+    assert isinstance(result, GeneratingResult)
+    surfaces = result.surfaces.items()
+    named = {f"{side}: {name}": d for side, s in surfaces for name, d in s.deviations.items()}
+    return named, [g for _, s in surfaces for g in s.gaps.values()], result.dexels
 
 
 def print_estimate(name: str, estimate: dict[str, float]) -> None:

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from gearsim.metrology.bevel import Convergence, FlankResult
 from gearsim.metrology.deviation import Deviation
+from gearsim.metrology.dexel_check import DexelResult
 from gearsim.metrology.roads import LIMIT_UM, RoadGap
 from gearsim.metrology.samples import SampleGrid
 from gearsim.metrology.topography import Topography
@@ -40,12 +41,17 @@ def summary(result: FlankMillingResult) -> dict[str, Any]:
         **provenance_figures(result, conventions),
         "flanks": {side: _flank(flank, reference) for side, flank in result.flanks.items()},
         "root": {name: {"deviation_um": p.deviation.summary_um()} for name, p in result.patches.items()},
-        "tri_dexel": {
-            "pitch_mm": result.dexels.box.pitch,
-            "rays": [len(b.rays) for b in result.dexels.bundles],
-            "removed_volume_mm3": result.dexels.removed_volumes,
-            "check_um": {"max": _number(result.dexels.check_um), "points": result.dexels.checked},
-        },
+        "tri_dexel": dexel_figures(result.dexels),
+    }
+
+
+def dexel_figures(dexels: DexelResult) -> dict[str, Any]:
+    """The tri-dexel: its size, what was removed, how its ends agree with the rays."""
+    return {
+        "pitch_mm": dexels.box.pitch,
+        "rays": [len(b.rays) for b in dexels.bundles],
+        "removed_volume_mm3": dexels.removed_volumes,
+        "check_um": {"max": _number(dexels.check_um), "points": dexels.checked},
     }
 
 

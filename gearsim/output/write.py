@@ -3,34 +3,70 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Any
 
-from gearsim.output.charts import draw_deviation, draw_profile
+from gearsim.output import charts, report
 from gearsim.output.draw import DATA, finish_drawing, start_drawing
 from gearsim.output.drawing import write_drawing
 from gearsim.output.exr import grid_channels, write_exr
+from gearsim.output.generated import charts as generated_charts
+from gearsim.output.generated import drawing as generated_drawing
+from gearsim.output.generated import report as generated_report
+from gearsim.output.generated import summary as generated_summary
+from gearsim.output.generated.maps import surface_channels, surface_columns
 from gearsim.output.markdown import write_report
-from gearsim.output.report import PICTURES, flank_milling_report
 from gearsim.output.summary import summary, write_json
 from gearsim.output.table import flank_columns, write_parquet
-from gearsim.result import FlankMillingResult
+from gearsim.result import FlankMillingResult, GeneratingResult, Result
 
 
-def write_result(result: FlankMillingResult, stage: Path) -> list[str]:
+def write_result(result: Result, stage: Path) -> list[str]:
     """Write all files of a run into a scratch folder; returns what could not be drawn, one line each."""
+    if isinstance(result, FlankMillingResult):
+        return _write_flank_milling(result, stage)
+    assert isinstance(result, GeneratingResult)
+    return _write_generated(result, stage)
+
+
+def _write_flank_milling(result: FlankMillingResult, stage: Path) -> list[str]:
     write_drawing(result, stage / DATA)
     drawing = start_drawing(stage)
-    flanks = result.flanks
-    parts = {s: grid_channels(f.grid, f.all_passes, f.gap_cl.gap_um) for s, f in flanks.items()}
-    write_exr({str(s): p for s, p in parts.items()}, result, stage / "deviation.exr")
-    write_parquet([flank_columns(result, f) for f in flanks.values()], result, stage / "samples.parquet")
+    parts = {str(s): grid_channels(f.grid, f.all_passes, f.gap_cl.gap_um) for s, f in result.flanks.items()}
+    write_exr(parts, result, stage / "deviation.exr")
+    write_parquet([flank_columns(result, f) for f in result.flanks.values()], result, stage / "samples.parquet")
     (stage / "toolpath.cl").write_text(result.cl_text, encoding="utf-8")
-    draw_deviation(result, stage / "deviation.png")
-    draw_profile(result, stage / "profile.png")
-    missing = finish_drawing(drawing, stage)
+    charts.draw_deviation(result, stage / "deviation.png")
+    charts.draw_profile(result, stage / "profile.png")
+    missing = finish_drawing(drawing, stage, list(report.PICTURES))
+    figures = summary(result)
+    text = report.flank_milling_report(figures, _drawn(stage), missing)
+    return _write_figures(figures, text, missing, stage)
+
+
+def _write_generated(result: GeneratingResult, stage: Path) -> list[str]:
+    generated_drawing.write_drawing(result, stage / DATA)
+    drawing = start_drawing(stage)
+    parts = {name: surface_channels(result, s) for name, s in result.surfaces.items()}
+    write_exr(parts, result, stage / "deviation.exr")
+    write_parquet([surface_columns(result, s) for s in result.surfaces.values()], result, stage / "samples.parquet")
+    for name, text in result.programs.items():
+        (stage / name).write_text(text, encoding="utf-8")
+    generated_charts.draw_deviations(result, stage / "deviation.png")
+    generated_charts.draw_axes(result, stage / "axes.png")
+    expected = ["envelope.png"] + (["slot.png"] if result.dexels else [])
+    missing = finish_drawing(drawing, stage, expected)
+    figures = generated_summary.summary(result)
+    text = generated_report.generating_report(figures, list(result.programs), _drawn(stage), missing)
+    return _write_figures(figures, text, missing, stage)
+
+
+def _drawn(stage: Path) -> list[str]:
+    return sorted(file.name for file in stage.glob("*.png"))
+
+
+def _write_figures(figures: dict[str, Any], text: str, missing: list[str], stage: Path) -> list[str]:
     (stage / DATA).unlink()
-    report = summary(result)
-    report["not_drawn"] = missing
-    drawn = [name for name in PICTURES if (stage / name).exists()]
-    write_report(flank_milling_report(report, drawn, missing), result.name, stage)
-    write_json(report, stage / "report.json")
+    figures["not_drawn"] = missing
+    write_report(text, figures["scene"]["scene"]["name"], stage)
+    write_json(figures, stage / "report.json")
     return missing

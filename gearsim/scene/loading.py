@@ -14,9 +14,10 @@ from pydantic import ValidationError
 
 from gearsim.errors import InputError, read_input
 from gearsim.scene.flank_milling import FlankMillingScene
+from gearsim.scene.generated import EnvelopeScene
 from gearsim.scene.tables import Scene, Table
 
-SCENES: dict[str, type[Scene]] = {"ruled-bevel": FlankMillingScene}
+SCENES: dict[str, type[Scene]] = {"ruled-bevel": FlankMillingScene, "envelope": EnvelopeScene}
 
 
 def scene_names() -> dict[str, str]:

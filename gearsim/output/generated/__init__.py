@@ -1,0 +1,1 @@
+"""Files of a run that generates surfaces: figures, report, maps and pictures."""

@@ -1,0 +1,78 @@
+"""3D pictures of a run that generates surfaces; runs in the drawing process."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gearsim.output.draw import COLOURS, STEEL, draw_slot, plotter_with
+
+PICTURES = ("envelope.png",)
+_TINTS = ("#d1495b", "#2e6f95", "#8cb369", "#f4a259", "#7b6d8d")
+
+
+def draw_generated(data: dict[str, NDArray], surfaces: dict[str, Any], folder: Path) -> None:
+    """Draw everything."""
+    if "relief:point" in data:
+        draw_slot(data, folder / "slot.png")
+    _draw_envelope(data, surfaces, folder / "envelope.png")
+
+
+def _draw_envelope(data: dict[str, NDArray], surfaces: dict[str, Any], file: Path) -> None:
+    """The surfaces with their grazing curves, alone and with the tool at the ends of its motion."""
+    plotter = plotter_with(views=2)
+    for view, text in enumerate(("surfaces and grazing curves", "with the tool at the ends of its motion")):
+        plotter.subplot(0, view)
+        for number, (name, mesh) in enumerate(surfaces.items()):
+            colour = COLOURS.get(name, _TINTS[number % len(_TINTS)])
+            plotter.add_mesh(mesh.copy(), color=colour, smooth_shading=True, opacity=0.9, ambient=0.35)
+            for curve in data[f"grazing:{name}"]:
+                _add_curve(plotter, curve)
+        if view:
+            _add_tools(plotter, data)
+        plotter.add_text(text, color="black", font_size=11)
+        _look_at(plotter, surfaces, data)
+    plotter.screenshot(str(file))
+
+
+def _add_curve(plotter: Any, points: NDArray) -> None:
+    """The stretches of a curve that exist."""
+    import pyvista as pv
+
+    exists = np.isfinite(points[:, 0])
+    starts = np.flatnonzero(exists & ~np.append(False, exists[:-1]))
+    ends = np.flatnonzero(exists & ~np.append(exists[1:], False))
+    for start, end in zip(starts, ends, strict=True):
+        if end > start:
+            plotter.add_mesh(pv.lines_from_points(points[start : end + 1]), color="black", line_width=2)
+
+
+def _add_tools(plotter: Any, data: dict[str, NDArray]) -> None:
+    import pyvista as pv
+
+    outline = data["tool:profile"]
+    angles = np.linspace(0.0, 2.0 * np.pi, 97)
+    for tip, axis in zip(data["tool:tip"][[0, -1]], data["tool:axis"][[0, -1]], strict=True):
+        x = np.cross(axis, np.eye(3)[np.argmin(np.abs(axis))])
+        x /= np.linalg.norm(x)
+        radial = np.cos(angles)[:, None] * x + np.sin(angles)[:, None] * np.cross(axis, x)
+        points = tip + outline[:, 1, None, None] * axis + outline[:, 0, None, None] * radial
+        skin = pv.StructuredGrid(*(points[..., None, k] for k in range(3)))
+        plotter.add_mesh(skin, color=STEEL, opacity=0.35, smooth_shading=False)
+
+
+def _look_at(plotter: Any, surfaces: dict[str, Any], data: dict[str, NDArray]) -> None:
+    """From the shank's side, a little from ahead and from the left of the feed."""
+    import pyvista as pv
+
+    bounds = np.array(pv.merge([s.copy() for s in surfaces.values()], merge_points=False).bounds).reshape(3, 2)
+    centre, size = bounds.mean(axis=1), float(np.linalg.norm(np.ptp(bounds, axis=1)))
+    up = data["tool:axis"][1]
+    ahead = data["tool:tip"][-1] - data["tool:tip"][0]
+    ahead -= (ahead @ up) * up
+    ahead /= max(float(np.linalg.norm(ahead)), 1e-12)
+    eye = centre + 2.4 * size * (0.62 * up + 0.62 * ahead - 0.48 * np.cross(ahead, up))
+    plotter.camera_position = [tuple(eye), tuple(centre), tuple(up)]
