@@ -121,6 +121,15 @@ def log(x: Series) -> Series:
     return Series(np.stack(v))
 
 
+def compose(outer: Series, step: Series) -> Series:
+    """A series about x(0), scalar or vector, at x(t): ``step`` is the scalar series x(t) - x(0)."""
+    inner = step.column if outer.c.ndim > step.c.ndim else step
+    value = Series(np.zeros((step.order + 1, *outer.c.shape[1:]))) + outer.c[-1]
+    for c in outer.c[-2::-1]:
+        value = value * inner + c
+    return value
+
+
 def stack(components: list[Series]) -> Series:
     """A vector series from scalar ones of equal order, on a new last axis."""
     return Series(np.stack([s.c for s in components], axis=-1))

@@ -23,9 +23,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gearsim.cutters.profile import Element
+from gearsim.errors import InputError
+from gearsim.geometry import series
 from gearsim.geometry.grazing import PoseJet, grazing_points
 from gearsim.geometry.jets import Curvature, fundamental_curvature
 from gearsim.geometry.pose import FrameSeries, PoseSeries
+from gearsim.geometry.series import Series
 
 Poses = Callable[[NDArray, int], PoseSeries]
 
@@ -76,6 +79,10 @@ class Sheet(Protocol):
         """Points at parameters u, v, shape (n,)."""
         ...
 
+    def curve(self, u: Series, v: Series) -> tuple[Series, Series]:
+        """Points and normals out of the material along a curve u(t), v(t) on a straight element's sheet."""
+        ...
+
     def pose_parameter(self, u: NDArray) -> NDArray:
         """The motion's parameter at which the head cuts the points of u, shape (n,)."""
         ...
@@ -104,6 +111,20 @@ class Envelope:
             g.point, g.point_t, g.point_s, -g.normal, -g.normal_t, -g.normal_s, g.exists, closing
         )  # fmt: skip
 
+    def curve(self, u: Series, v: Series) -> tuple[Series, Series]:
+        """As `grazing_points`, in series: the pose's expansion about u(0), and its derivative, composed with u(t)."""
+        pose, ahead = self.poses(u.value, u.order + 1), u - u.value
+        tip, axis = (series.compose(s, ahead) for s in pose)
+        tip_rate, axis_rate = (series.compose(s.derivative(), ahead) for s in pose)
+        r, z, nr, nz = _straight(self.element, v)
+        g = tip_rate * nr + axis_rate * (z * nr - r * nz).column
+        b = series.dot(axis, tip_rate) * nz
+        flat = g - axis * series.dot(axis, g).column
+        size2 = series.dot(flat, flat)
+        root = series.sqrt(size2 - b * b) * self.branch
+        radial = (series.cross(axis, flat) * root.column - flat * b.column) / size2.column
+        return tip + axis * z.column + radial * r.column, radial * -nr - axis * nz
+
     def pose_parameter(self, u: NDArray) -> NDArray:
         return u
 
@@ -131,8 +152,24 @@ class HeadSurface:
             np.ones(len(u), dtype=bool), np.full(len(u), np.inf),
         )  # fmt: skip
 
+    def curve(self, u: Series, v: Series) -> tuple[Series, Series]:
+        tip, axis, x = (s.value[0] for s in self.frame)
+        r, z, nr, nz = _straight(self.element, v)
+        turn = series.exp(u * 1j)
+        radial = turn.real.column * x + turn.imag.column * np.cross(axis, x)
+        return z.column * axis + tip + radial * r.column, radial * -nr - nz * axis
+
     def pose_parameter(self, u: NDArray) -> NDArray:
         return np.zeros(np.shape(u))
+
+
+def _straight(element: Element, v: Series) -> tuple[Series, Series, float, float]:
+    """(r, z) of a line element as series of the arc length v, and its constant normal (nr, nz)."""
+    if element.is_arc:
+        raise InputError("series along an arc of the profile are not available: only straight elements lie along rules")
+    start = element.at(np.array(0.0))
+    nr, nz = float(start.nr), float(start.nz)
+    return v * -nz + float(start.r), v * nr + float(start.z), nr, nz
 
 
 def _dot(a: NDArray, b: NDArray) -> NDArray:

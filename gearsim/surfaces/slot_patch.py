@@ -131,6 +131,23 @@ class GeneratedPatch:
         """
         return self._solve(cone, above, by_height=True)
 
+    def profile(self, cone: float, above: float, offsets: NDArray) -> tuple[NDArray, NDArray, NDArray]:
+        """The profile in the plane through one point, normal to the pitch cone's generator there.
+
+        The point is given by cone distance and height over the pitch cone [mm], points of the profile by
+        ``offsets`` [mm], shape (n,), from it along the cone's normal. Returns (u, v, the plane's normal).
+        """
+        u, v = (np.repeat(p, len(offsets)) for p in self.meet(np.array([cone]), np.array([above])))
+        middle = self.jet(u, v).r
+        generator, up = self._cone_frame(middle)
+        for i in range(_STEPS):
+            at = self.jet(u, v)
+            e = -_dot(generator, at.r - middle)
+            f = min(1.0, (i + 1) / _WALK) * np.asarray(offsets) - _dot(up, at.r - middle)
+            du, dv = _solve2(generator, up, at, e, f)
+            u, v = u + du, v + dv
+        return u, v, generator[0]
+
     def windows(self, u: NDArray, v: NDArray) -> tuple[NDArray, NDArray]:
         """Half the tooth's thickness and half the slot's width [mm] about points, shape (n,).
 
@@ -209,12 +226,18 @@ class GeneratedPatch:
         at = self.jet(u, v)
         generator, normal = self._cone_frame(at.r)
         found, above = self.blank.cone_height(at.r)
-        a, b, e = _dot(generator, at.ru), _dot(generator, at.rv), cone - found
-        c, d, f = np.zeros(u.shape), np.ones(u.shape), target - v
         if by_height:
-            c, d, f = _dot(normal, at.ru), _dot(normal, at.rv), target - above
-        du, dv = (e * d - b * f) / (a * d - b * c), (a * f - c * e) / (a * d - b * c)
+            du, dv = _solve2(generator, normal, at, cone - found, target - above)
+        else:
+            dv = target - v
+            du = (cone - found - _dot(generator, at.rv) * dv) / _dot(generator, at.ru)
         return du, dv, np.abs(du) * np.linalg.norm(at.ru, axis=1) + np.abs(dv)
+
+
+def _solve2(first: NDArray, second: NDArray, at: GeneratedJet, e: NDArray, f: NDArray) -> tuple[NDArray, NDArray]:
+    """Steps of u and v that move points by e along the first and by f along the second direction, to first order."""
+    a, b, c, d = (_dot(p, q) for p in (first, second) for q in (at.ru, at.rv))
+    return (e * d - b * f) / (a * d - b * c), (a * f - c * e) / (a * d - b * c)
 
 
 def _dot(a: NDArray, b: NDArray) -> NDArray:

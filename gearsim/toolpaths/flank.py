@@ -14,6 +14,7 @@ from gearsim.geometry import series
 from gearsim.geometry.pose import PoseSeries
 from gearsim.motion.sources import CLMotion, CurveMotion
 from gearsim.surfaces.ruled_bevel import RuledBevelTooth, Side
+from gearsim.toolpaths.tangent import cl_points, tangent_pose
 
 
 @dataclass(frozen=True)
@@ -55,34 +56,13 @@ class FlankPath:
         rule = spine.y * slope + spine.z
         into_gear = series.unit(series.cross(along, rule)) * -tooth.flank(self.side).orientation
         contact = spine.origin + spine.y * y.column + spine.z * h.column
-        return self._tangent_pose(contact, series.unit(rule), into_gear, h)
-
-    def _tangent_pose(
-        self, contact: series.Series, rule: series.Series, normal: series.Series, h: series.Series
-    ) -> PoseSeries:
-        """The pose whose straight flank lies along ``rule`` at ``contact``, its normal along ``normal``."""
-        start = self.cutter.elements[self.cutter.flank].at(np.array(0.0))
-        taper_sine, taper_cosine = -float(start.nz), float(start.nr)
-        axis = rule * taper_cosine - normal * taper_sine
-        radial = (normal + axis * taper_sine) * (1.0 / taper_cosine)
-        distance = (h - self.tooth.fillet_height) * (1.0 / cos(self.tooth.pressure_angle))
-        radius = distance * taper_sine + float(start.r)
-        height = distance * taper_cosine + float(start.z)
-        tip = contact - radial * radius.column - axis * height.column
-        return PoseSeries(tip, series.Series(axis.c[: tip.order + 1]))
+        distance = (h - tooth.fillet_height) * (1.0 / cos(tooth.pressure_angle))
+        return tangent_pose(self.cutter, contact, series.unit(rule), into_gear, distance)
 
     def cl_motion(self, points: int) -> CLMotion:
         """The path as CL data with ``points`` points over the face, the run at the same spacing."""
-        if points < 2:
-            raise InputError(f"CL data needs at least 2 points over the face, got {points}")
-        blank, motion = self.tooth.blank, self.motion
-        toe, heel = self.tooth.phi_at(np.array([blank.toe, blank.cone_distance]))
-        step = (heel - toe) / (points - 1)
-        before = int(np.ceil((motion.start - toe) / -step - 1e-9))
-        after = int(np.ceil((motion.end - heel) / step - 1e-9))
-        phi = toe + step * np.arange(-before, points + after)
-        pose = self.poses(phi, 0)
-        return CLMotion(pose.tip.value, pose.axis.value)
+        toe, heel = self.tooth.phi_at(np.array([self.tooth.blank.toe, self.tooth.blank.cone_distance]))
+        return cl_points(self.motion, float(toe), float(heel), points)
 
     def check_passage(self, samples: int = 65) -> None:
         """Raise InputError where the cutter is so wide that it would cut the next tooth's tip away.

@@ -48,3 +48,12 @@ def test_a_unit_series_keeps_its_length(rng):
     length2 = series.dot(u, u)
     assert np.allclose(length2.c[0], 1.0)
     assert np.allclose(length2.c[1:], 0.0, atol=1e-12)
+
+
+def test_composition_is_the_chain_rule():
+    """exp(x) about x = 0.3 at x(t) = 0.3 + t - t^2 is the exponential of that series; scalar and vector."""
+    inner = Series(np.array([[0.3], [1.0], [-1.0], [0.0]]))
+    outer = series.exp(Series.variable(np.array([0.3]), 3))
+    assert np.allclose(series.compose(outer, inner - 0.3).c, series.exp(inner).c)
+    vector = series.compose(series.stack([outer, outer * 2.0]), inner - 0.3)
+    assert np.allclose(vector.c[..., 1], 2.0 * series.exp(inner).c)

@@ -1,0 +1,74 @@
+from dataclasses import replace
+from math import cos, radians, sin
+
+import numpy as np
+import pytest
+
+from gearsim.errors import InputError
+from gearsim.surfaces.ruled_bevel import SIDES
+from gearsim.toolpaths.face_milled import GeneratedFlankPath
+from tests.surfaces.test_face_milled import ANGLE, EDGE, ROLL, SETTINGS, make_face_milled
+
+CONE = np.linspace(50.0, 88.0, 7)
+START = EDGE * (1.0 - sin(ANGLE))
+
+
+def make_path(side, cutter, generated=True, roll=()):
+    tooth = make_face_milled(replace(SETTINGS, modified_roll=roll), generated)
+    return GeneratedFlankPath(tooth.flank(side), cutter, START, 8.0)
+
+
+@pytest.fixture(params=[(s, g) for s in SIDES for g in ("generated", "modified roll", "formate")], ids="-".join)
+def path(request, published_cutter):
+    side, kind = request.param
+    return make_path(side, published_cutter, kind != "formate", ROLL if kind == "modified roll" else ())
+
+
+def contact(path):
+    return path.patch.jet(*path.patch.meet(CONE, path.contact_height(CONE)))
+
+
+def test_the_cutter_touches_the_tooth_at_mid_working_depth(path):
+    """Point and normal coincide; the axis leans by the taper, in the plane of normal and profile tangent."""
+    jet, pose = contact(path), path.poses(CONE, 0)
+    q = jet.r - pose.tip.value
+    z = np.sum(q * pose.axis.value, axis=1)
+    w = q - z[:, None] * pose.axis.value
+    r = np.linalg.norm(w, axis=1)
+    distance, nr, nz = path.cutter.distance_gradient(r, z)
+    assert np.allclose(distance, 0.0, atol=1e-11)
+    assert np.allclose(nr[:, None] * w / r[:, None] + nz[:, None] * pose.axis.value, -jet.normal, atol=1e-11)
+    assert np.allclose(np.sum(pose.axis.value * jet.normal, axis=1), sin(radians(15.0)))
+    around = np.column_stack([-jet.r[:, 1], jet.r[:, 0], 0.0 * r]) / np.hypot(*jet.r[:, :2].T)[:, None]
+    blank = path.patch.blank
+    up = np.cross(around, np.array([0.0, 0.0, 1.0])) * cos(blank.pitch) + [0.0, 0.0, -sin(blank.pitch)]
+    generator = np.cross(up, around)
+    rule = pose.axis.value - np.sum(pose.axis.value * jet.normal, axis=1)[:, None] * jet.normal
+    rule /= np.linalg.norm(rule, axis=1)[:, None]
+    assert np.allclose(np.sum(rule * generator, axis=1), 0.0, atol=1e-11)
+    assert np.all(np.sum(rule * up, axis=1) > 0.8)
+    below = (
+        jet.r
+        - rule * ((path.contact_height(CONE) + blank.dedendum_at(CONE) - START) / np.sum(rule * up, axis=1))[:, None]
+    )
+    q = below - pose.tip.value
+    assert np.allclose(np.sum(q * pose.axis.value, axis=1), path.cutter.elements[path.cutter.flank].start[1])
+
+
+def test_all_derivatives_are_those_of_the_path(path):
+    """The Taylor series of order 6 reaches the poses 0.2 mm of cone distance on."""
+    here, there = path.poses(CONE, 6), path.poses(CONE + 0.2, 0)
+    for a, b in zip(here, there, strict=True):
+        assert np.allclose(np.einsum("k,kij->ij", 0.2 ** np.arange(7), a.c), b.value, atol=1e-10)
+
+
+def test_cl_points_lie_on_the_path_with_equal_steps(published_cutter):
+    path = make_path("convex", published_cutter)
+    blank, cl = path.patch.blank, path.cl_motion(17)
+    on_face = path.poses(np.linspace(blank.toe, blank.cone_distance, 17), 0)
+    first = int(np.argmin(np.linalg.norm(cl.tips - on_face.tip.value[0], axis=1)))
+    assert first >= 4
+    assert len(cl.tips) >= first + 21
+    assert np.allclose(cl.tips[first : first + 17], on_face.tip.value, atol=1e-12)
+    with pytest.raises(InputError, match="at least 2 points over the face, got 1"):
+        path.cl_motion(1)
