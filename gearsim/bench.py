@@ -10,6 +10,7 @@ from time import perf_counter
 from typing import Any
 
 import gearsim
+from gearsim.bench_envelope import envelope
 from gearsim.errors import InputError
 from gearsim.geometry.rays import RayBundle
 from gearsim.job import Job, plan
@@ -71,7 +72,7 @@ def _timed_cut(job: Job, device: str, name: str, rays: RayBundle, table: Segment
     }
 
 
-SUITES: dict[str, Suite] = {"removal": removal}
+SUITES: dict[str, Suite] = {"removal": removal, "envelope": envelope}
 
 
 def run_suite(name: str, device: str) -> dict[str, Any]:
