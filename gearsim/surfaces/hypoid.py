@@ -3,7 +3,9 @@
 The pinion stands in the cradle generator of gearsim.machines.generator with offset, tilt and swivel. The
 report's two heads are cones, alpha > 0 for the concave flank and alpha < 0 for the convex one; here they are
 the outside and the inside blades of a ring with edge radii, which ends at its tip plane: the infinite cone of
-the report's equation (7) would cut with s < 0 too.
+the report's equation (7) would cut with s < 0 too. Its equation of meshing (10), whose last term is printed with
+the wrong sign, is not used: the flank is the grazing points' closed form, and equal to (9) with (10) put right
+(tests/validation/test_hypoid_phoenix.py).
 
 Pinion frame: z along the pinion's axis, the apex of its pitch cone at the origin. It is not the point where
 the shafts cross: machine_centre_to_back counts from the apex.
@@ -29,9 +31,9 @@ class HypoidPinion:
     """A slot of a hypoid pinion whose flanks are finished by one cut each.
 
     ``concave`` and ``convex`` hold blank, head and settings of the cut that finishes that flank. The same cut
-    twice is a pinion whose flanks are finished together. A cradle angle greater by d turns a cut's slot by
-    -ratio_of_roll d about the pinion's axis: that is how slot widths are set between two cuts. Raises
-    InputError where the two do not belong to one slot.
+    twice is a pinion whose flanks are finished together. With a plain roll, a cradle angle greater by d turns
+    a cut's slot by ratio_of_roll d about the pinion's axis, right-handed: so is the slot's width set between two
+    cuts. Raises InputError where the two do not belong to one slot.
     """
 
     concave: FaceMilledTooth

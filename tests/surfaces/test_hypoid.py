@@ -173,10 +173,10 @@ def test_two_cuts_make_a_slot_of_another_width():
     one, wider = make_cut(), make_cut(cradle=SETTINGS["cradle"] + turn)
     both, apart = HypoidPinion(one, one), HypoidPinion(one, wider)
     middle = np.full(1, 0.5)
-    for side, moved in (("concave", 0.0), ("convex", SETTINGS["ratio"] * turn)):
+    for side, moved in (("concave", 0.0), ("convex", -SETTINGS["ratio"] * turn)):
         at = [p.flank(side).jet(*p.flank(side).locate(middle, middle)).r[0] for p in (both, apart)]
         angle = np.arctan2(at[1][1], at[1][0]) - np.arctan2(at[0][1], at[0][0])
-        assert np.isclose(abs(np.arctan2(sin(angle), cos(angle))), moved, atol=1e-9)
+        assert np.isclose(np.arctan2(sin(angle), cos(angle)), moved, atol=1e-9)
     assert [p.name for p in apart.patches] == ["concave", "concave fillet", "convex fillet", "convex"]
 
 
