@@ -71,7 +71,7 @@ def contact_rates(cutter: Cutter, pose: Pose, ray: ToolRay, x: f64, tau: f64, fa
 def chord_at(cutter: Cutter, motion: Motion, row: int, origin: wp.vec3d, direction: wp.vec3d, x: f64) -> Chord:
     """The ray's chord through the cutter at parameter x of a row."""
     pose = pose_at(motion, row, x)
-    middle = pose.tip + f64(0.5) * cutter.height * pose.axis
+    middle = pose.tip + cutter.middle * pose.axis
     shift = wp.dot(middle - origin, direction)
     ray = tool_ray(pose, origin + shift * direction, direction)
     hit = cutter_interval(cutter, ray, f64(0.0))
@@ -114,7 +114,7 @@ def gap_at(
 ) -> wp.vec2d:
     """Distance between a ray that misses and the cutter at x, and its derivative by x."""
     pose = pose_at(motion, row, x)
-    middle = pose.tip + f64(0.5) * cutter.height * pose.axis
+    middle = pose.tip + cutter.middle * pose.axis
     shift = wp.dot(middle - origin, direction)
     ray = tool_ray(pose, origin + shift * direction, direction)
     tau = closest_point(cutter, ray, bound)
@@ -130,7 +130,7 @@ def gap_at(
 def may_meet(cutter: Cutter, motion: Motion, row: int, origin: wp.vec3d, direction: wp.vec3d) -> wp.vec2d:
     """Interval of the ray inside the mid-pose cutter grown by the segment's displacement; empty (1, 0)."""
     pose = pose_at(motion, row, f64(0.0))
-    middle = pose.tip + f64(0.5) * cutter.height * pose.axis
+    middle = pose.tip + cutter.middle * pose.axis
     shift = wp.dot(middle - origin, direction)
     ray = tool_ray(pose, origin + shift * direction, direction)
     hit = cutter_interval(cutter, ray, motion.speed[row] * f64(1.0001))

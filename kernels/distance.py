@@ -15,8 +15,7 @@ def outside_distance(cutter: Cutter, r: f64, z: f64) -> wp.vec3d:
     best = FAR
     near_r = f64(0.0)
     near_z = f64(0.0)
-    last = cutter.count - 1
-    for k in range(cutter.count):
+    for k in range(cutter.first, cutter.end):
         z0 = cutter.slabs[k, 0]
         z1 = cutter.slabs[k, 1]
         r0 = cutter.slabs[k, 2]
@@ -42,14 +41,14 @@ def outside_distance(cutter: Cutter, r: f64, z: f64) -> wp.vec3d:
             best = d
             near_r = pr
             near_z = pz
-        if k == 0:
+        if k == cutter.first:
             pr = wp.min(r, r0)
             d = wp.sqrt((r - pr) * (r - pr) + (z - z0) * (z - z0))
             if d < best:
                 best = d
                 near_r = pr
                 near_z = z0
-        if k == last:
+        if k == cutter.end - 1:
             pr = wp.min(r, r1)
             d = wp.sqrt((r - pr) * (r - pr) + (z - z1) * (z - z1))
             if d < best:

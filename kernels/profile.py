@@ -1,8 +1,9 @@
 """Closed forms of a ray against a convex cutter's profile at rest: no motion, no index, no scene.
 
-The cutter is cut into slabs, one for each line or arc of its profile that rises along the axis; every
-slab is convex (a frustum, or a disc rounded by a ball between two planes), so a ray meets each in one
-interval, and the cutter in the hull of those.
+A cutter is one convex part or the union of several, of which one at a time is looked at. A part is cut
+into slabs, one for each line or arc of its profile that rises along the axis; every slab is convex (a
+frustum; or a disc rounded by a ball, or a spindle, between two planes), so a ray meets each in one
+interval, and the part in the hull of those.
 """
 
 import warp as wp
@@ -19,15 +20,20 @@ NEWTON_STEPS = wp.constant(60)
 
 @wp.struct
 class Cutter:
-    """Slabs from the tip up; lengths in mm, tool frame.
+    """Slabs from the tip up, part after part; lengths in mm, tool frame.
 
-    ``slabs`` row: z0, z1, radius at z0, slope dr/dz (line) or centre r, centre z, radius (arc).
+    ``slabs`` row: z0, z1, radius at z0, slope dr/dz (line) or centre r, centre z, radius (arc; a centre
+    beyond the axis makes a spindle). Part p owns the slabs ``part_first[p]`` to ``part_first[p + 1]``; the
+    part looked at owns ``first`` to ``end``, and ``middle`` is the height of its middle.
     """
 
     kind: wp.array(dtype=wp.int32)
     slabs: wp.array2d(dtype=f64)
-    count: wp.int32
-    height: f64
+    part_first: wp.array(dtype=wp.int32)
+    parts: wp.int32
+    first: wp.int32
+    end: wp.int32
+    middle: f64
 
 
 @wp.struct
@@ -49,6 +55,16 @@ class Hit:
     hi: f64
     lo_face: wp.int32
     hi_face: wp.int32
+
+
+@wp.func
+def convex_part(cutter: Cutter, part: int) -> Cutter:
+    """The cutter with another of its parts to look at."""
+    one = cutter
+    one.first = cutter.part_first[part]
+    one.end = cutter.part_first[part + 1]
+    one.middle = f64(0.5) * (cutter.slabs[one.first, 0] + cutter.slabs[one.end - 1, 1])
+    return one
 
 
 @wp.func
@@ -85,7 +101,10 @@ def line_interval(ray: ToolRay, radius: f64, slope: f64, z_base: f64, lo: f64, h
 
 @wp.func
 def puck_distance(ray: ToolRay, centre_r: f64, centre_z: f64, radius: f64, tau: f64) -> wp.vec2d:
-    """Distance of the ray's point to a disc rounded by a ball, and its derivative; convex along the ray."""
+    """Distance of the ray's point to a disc rounded by a ball, and its derivative; convex along the ray.
+
+    A centre beyond the axis (centre_r < 0) gives the spindle that the arc's turning about the axis encloses.
+    """
     w = ray.w0 + tau * ray.w1
     r = wp.length(w)
     z = ray.z0 + tau * ray.dz - centre_z
@@ -96,8 +115,10 @@ def puck_distance(ray: ToolRay, centre_r: f64, centre_z: f64, radius: f64, tau: 
             rate = -ray.dz
         return wp.vec2d(wp.abs(z) - radius, rate)
     length = wp.sqrt(out * out + z * z)
-    if length < TINY or r < TINY:
+    if length < TINY:
         return wp.vec2d(length - radius, f64(0.0))
+    if r < TINY:
+        return wp.vec2d(length - radius, z * ray.dz / length)
     return wp.vec2d(length - radius, (out * wp.dot(w, ray.w1) / r + z * ray.dz) / length)
 
 
@@ -131,8 +152,10 @@ def arc_interval(ray: ToolRay, centre_r: f64, centre_z: f64, radius: f64, lo: f6
     """Part of [lo, hi] inside the puck of an arc; empty as (1, 0)."""
     z = ray.z0 - centre_z
     b = wp.dot(ray.w0, ray.w1) + z * ray.dz
-    ball = centre_r + radius
-    disc = b * b - (wp.dot(ray.w0, ray.w0) + z * z - ball * ball)
+    ball = (centre_r + radius) * (centre_r + radius)
+    if centre_r < f64(0.0):
+        ball = radius * radius - centre_r * centre_r
+    disc = b * b - (wp.dot(ray.w0, ray.w0) + z * z - ball)
     if disc < f64(0.0):
         return wp.vec2d(f64(1.0), f64(0.0))
     root = wp.sqrt(disc)
@@ -156,7 +179,7 @@ def cutter_interval(cutter: Cutter, ray: ToolRay, inflate: f64) -> Hit:
     hit.found = 0
     hit.lo = FAR
     hit.hi = -FAR
-    for k in range(cutter.count):
+    for k in range(cutter.first, cutter.end):
         z0 = cutter.slabs[k, 0] - inflate
         z1 = cutter.slabs[k, 1] + inflate
         lo = -FAR
@@ -193,8 +216,8 @@ def cutter_interval(cutter: Cutter, ray: ToolRay, inflate: f64) -> Hit:
 
 @wp.func
 def end_slab(cutter: Cutter, k: int, dz: f64) -> bool:
-    """Whether a ray that rises with ``dz`` enters slab k through an end of the whole tool."""
-    return (k == 0 and dz > f64(0.0)) or (k == cutter.count - 1 and dz < f64(0.0))
+    """Whether a ray that rises with ``dz`` enters slab k through an end of the whole part."""
+    return (k == cutter.first and dz > f64(0.0)) or (k == cutter.end - 1 and dz < f64(0.0))
 
 
 @wp.func
@@ -202,7 +225,7 @@ def face_normal(cutter: Cutter, face: int, r: f64, z: f64) -> wp.vec2d:
     """Outward normal (nr, nz) of the cutter's face at a point on it."""
     k = face // 2
     if face % 2 == 1:
-        if z > f64(0.5) * cutter.height:
+        if z > cutter.middle:
             return wp.vec2d(f64(0.0), f64(1.0))
         return wp.vec2d(f64(0.0), f64(-1.0))
     if cutter.kind[k] == LINE:

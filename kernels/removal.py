@@ -5,7 +5,7 @@ import warp as wp
 from gearsim.kernels.contact import may_meet
 from gearsim.kernels.interval import IntervalLists, covers
 from gearsim.kernels.pose import Motion
-from gearsim.kernels.profile import Cutter
+from gearsim.kernels.profile import Cutter, convex_part
 from gearsim.kernels.sweep import cut_by_segment
 
 f64 = wp.float64
@@ -36,7 +36,7 @@ def cut_rays(
     pairs_out: wp.array(dtype=wp.int32),
     status_out: wp.array(dtype=wp.int32),
 ):
-    """Cut each ray by all segments whose bounds its window [tau_min, tau_max] meets."""
+    """Cut each ray by all segments whose bounds its window [tau_min, tau_max] meets, a convex part at a time."""
     ray = first + wp.tid()
     o = origin[ray]
     d = direction[ray]
@@ -49,12 +49,14 @@ def cut_rays(
     status = int(0)
     while wp.bvh_query_next(query, row, wp.float32(1.0)):
         candidates += 1
-        near = may_meet(cutter, motion, row, o, d)
-        near_lo = wp.max(near[0], lo)
-        near_hi = wp.min(near[1], hi)
-        if near[0] <= near[1] and near_lo <= near_hi and not covers(lists_out, ray, near_lo, near_hi):
-            pairs += 1
-            status = status | cut_by_segment(cutter, motion, row, o, d, tolerance, bound, ray, lists_out)
+        for k in range(cutter.parts):
+            part = convex_part(cutter, k)
+            near = may_meet(part, motion, row, o, d)
+            near_lo = wp.max(near[0], lo)
+            near_hi = wp.min(near[1], hi)
+            if near[0] <= near[1] and near_lo <= near_hi and not covers(lists_out, ray, near_lo, near_hi):
+                pairs += 1
+                status = status | cut_by_segment(part, motion, row, o, d, tolerance, bound, ray, lists_out)
     candidates_out[ray] = candidates
     pairs_out[ray] = pairs
     status_out[ray] = status

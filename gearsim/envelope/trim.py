@@ -2,7 +2,10 @@
 
 The signed distance F(t) of a fixed point to a moving convex cutter is semi-convex: with K a bound on the
 second derivative of the point as the tool sees it, F(t + s) >= F + F' s - K s²/2. Stretches of the motion
-whose bound from both ends stays above the least distance found are dropped, the others halved.
+whose bound from both ends stays above the least distance found are dropped, the others halved. A tool with
+undercuts is the union of its convex parts. The distance to a ring with a convex section is convex in (r, z),
+and r grows by at most b²/2r over a step b across it: that adds V²/r to K, with V the fastest tool point's
+speed and r half the hole's radius. What is nearer to the axis is farther from the ring than that.
 """
 
 from __future__ import annotations
@@ -56,8 +59,15 @@ def distance_rate(
 def path_distance(source: MotionSource, cutter: Profile, points: NDArray, spacing: float = 0.25) -> NDArray:
     """Least signed distance [mm] over the whole motion, shape (n,), of points, shape (n, 3), to 1e-11 mm.
 
-    Starts from samples between which no tool point moves more than about ``spacing`` [mm].
+    Inside a tool with undercuts it is the depth below a part's surface, which can be less than the tool's;
+    beyond half the radius of a ring's hole from the ring it is to about 1e-3 mm. Starts from samples between
+    which no tool point moves more than about ``spacing`` [mm].
     """
+    return np.min([_part_distance(source, part, points, spacing) for part in cutter.parts], axis=0)
+
+
+def _part_distance(source: MotionSource, cutter: Profile, points: NDArray, spacing: float) -> NDArray:
+    """The same for a convex cutter or a ring."""
     piece, t, curvature = _samples(source, cutter, spacing)
     tip, axis = (s.derivatives() for s in source.pose(piece, t, 1))
     inner = np.flatnonzero(piece[1:] == piece[:-1])
@@ -101,16 +111,17 @@ def _sampled(
 
 
 def _cone_distance(cutter: Profile, points: NDArray, tip: NDArray, axis: NDArray) -> NDArray:
-    """Lower bound of the distance of points to the cutter at poses: to a cone around it, and its ends."""
-    corners = np.array(
-        [c for e in cutter.elements for c in ((cutter.element_radius(e), z) for z in (e.start[1], e.end[1]))]
-    )
-    slope = (corners[-1, 0] - corners[0, 0]) / cutter.height if cutter.height else 0.0
+    """Lower bound of the distance of points to the cutter at poses: to a cone around it, its ends, its hole."""
+    corners = np.array([(e.box[1], z) for e in cutter.elements for z in e.box[2:]])
+    _, _, bottom, top = cutter.box
+    slope = (corners[-1, 0] - corners[0, 0]) / (top - bottom)
     base = float((corners[:, 0] - slope * corners[:, 1]).max())
     z = points @ axis.T - (tip * axis).sum(1)
     q2 = (points**2).sum(1)[:, None] - 2.0 * points @ tip.T + (tip**2).sum(1)
     r = np.sqrt(np.maximum(q2 - z * z, 0.0)) - 1e-6
-    return np.maximum((r - base - slope * z) / np.hypot(1.0, slope), np.maximum(-z, z - cutter.height))
+    ends = np.maximum(bottom - z, z - top)
+    hull = np.maximum((r - base - slope * z) / np.hypot(1.0, slope), ends)
+    return np.maximum(hull, cutter.min_radius - r - 2e-6) if cutter.is_ring else hull
 
 
 def _samples(source: MotionSource, cutter: Profile, spacing: float) -> tuple[NDArray, NDArray, NDArray]:
@@ -121,12 +132,15 @@ def _samples(source: MotionSource, cutter: Profile, spacing: float) -> tuple[NDA
     reach = cutter.reach
     speed = (travel + reach * spin).reshape(-1, 9).max(axis=1)
     curvature = (bending + reach * swing + spin * (2.0 * travel + spin * reach)).reshape(-1, 9).max(axis=1)
+    bound = _CURVATURE_MARGIN * curvature
+    if cutter.is_ring:
+        bound += 2.0 * (_CURVATURE_MARGIN * speed) ** 2 / cutter.min_radius
     count = np.maximum(1, np.ceil(speed / spacing).astype(int)) + 1
     index = np.arange(count.sum()) - np.repeat(np.cumsum(count) - count, count)
     return (
         np.repeat(np.arange(source.pieces), count),
         index / np.repeat(count - 1, count),
-        np.repeat(_CURVATURE_MARGIN * curvature, count),
+        np.repeat(bound, count),
     )
 
 

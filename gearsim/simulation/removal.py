@@ -19,10 +19,9 @@ from gearsim.errors import InputError, NumericalError, Status, explain
 from gearsim.geometry.rays import RayBundle
 from gearsim.kernels import removal as kernels
 from gearsim.kernels.interval import IntervalLists
-from gearsim.kernels.pose import Motion
-from gearsim.kernels.profile import ARC, LINE, Cutter
 from gearsim.motion.segments import SegmentTable
 from gearsim.simulation.intervals import IntervalSet, from_lists
+from gearsim.simulation.tools import cutter_data, motion_data, segment_bounds
 
 TILE_BYTES = 1 << 29
 SLOT_BYTES = 24
@@ -94,62 +93,6 @@ def device_name(device: str) -> str:
     prepare(device)
     found = wp.get_device(device)
     return f"{device} ({found.name})"
-
-
-def cutter_data(cutter: Profile, device: str) -> Cutter:
-    """The cutter's slabs on a device: its profile elements that rise along the axis."""
-    rows, kinds = [], []
-    for e in cutter.elements:
-        if e.is_flat:
-            continue
-        (r0, z0), (r1, z1) = e.start, e.end
-        kinds.append(int(ARC if e.is_arc else LINE))
-        if e.is_arc and e.centre[0] < 0.0:
-            raise InputError(
-                f"cutter {cutter.name!r}: an arc's centre lies {-e.centre[0]:g} mm beyond the axis; the removal road "
-                "cannot cut with such barrels yet"
-            )
-        if e.is_arc:
-            rows.append([z0, z1, e.centre[0], e.centre[1], e.radius])
-        else:
-            rows.append([z0, z1, r0, (r1 - r0) / (z1 - z0), 0.0])
-    data = Cutter()
-    data.kind = wp.array(kinds, dtype=wp.int32, device=device)
-    data.slabs = wp.array(np.array(rows), dtype=wp.float64, device=device)
-    data.count = len(rows)
-    data.height = cutter.height
-    return data
-
-
-def motion_data(table: SegmentTable, device: str) -> Motion:
-    """The segment table on a device."""
-    data = Motion()
-    data.tip = wp.array(table.tip, dtype=wp.vec3d, device=device)
-    data.axis = wp.array(table.axis, dtype=wp.vec3d, device=device)
-    for name in ("speed", "acceleration", "spin"):
-        setattr(data, name, wp.array(getattr(table, name), dtype=wp.float64, device=device))
-    return data
-
-
-def segment_bounds(table: SegmentTable, cutter: Profile) -> tuple[NDArray, NDArray]:
-    """Axis-aligned boxes, float32 rounded outward, of the cutter swept over every row.
-
-    Each box holds the mid-pose tool's bounding cones grown by the row's largest displacement.
-    """
-    tip, axis = table.tip[:, 0], table.axis[:, 0]
-    spread = np.sqrt(np.clip(1.0 - axis**2, 0.0, 1.0))
-    lower, upper = np.full(tip.shape, np.inf), np.full(tip.shape, -np.inf)
-    for e in cutter.elements:
-        radius = cutter.element_radius(e)
-        for z in (e.start[1], e.end[1]):
-            centre = tip + z * axis
-            lower = np.minimum(lower, centre - radius * spread)
-            upper = np.maximum(upper, centre + radius * spread)
-    pad = table.speed[:, None] * (1.0 + 1e-6) + 1e-4
-    return (
-        np.nextafter((lower - pad).astype(np.float32), -np.float32(np.inf)),
-        np.nextafter((upper + pad).astype(np.float32), np.float32(np.inf)),
-    )
 
 
 @contextmanager

@@ -13,7 +13,7 @@ from gearsim.kernels.interval import IntervalLists, insert
 from gearsim.kernels.pose import Motion, pose_at
 from gearsim.kernels.profile import Cutter, Hit, ToolRay, cutter_interval
 from gearsim.motion.segments import DEGREE, compile_motion
-from gearsim.simulation.removal import cutter_data, motion_data
+from gearsim.simulation.tools import cutter_data, motion_data
 from gearsim.toolpaths.flank import FlankPath
 from tests.motion.test_sources import random_cl
 

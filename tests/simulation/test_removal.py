@@ -7,7 +7,6 @@ import numpy as np
 import pytest
 
 from gearsim.cutters.catalogue import apt, conical
-from gearsim.cutters.profile import Element, Profile
 from gearsim.envelope.trim import path_distance
 from gearsim.errors import InputError, NumericalError, Status
 from gearsim.geometry.rays import RayBundle
@@ -189,21 +188,6 @@ def test_no_rays_and_unknown_devices(rng):
     assert (len(empty.removed.lo), empty.pairs) == (0, 0)
     with pytest.raises(InputError, match="no device 'tpu:7'; this machine has cpu"):
         removed(bundle([0, 0, 0], UP), source, BALL, device="tpu:7")
-
-
-def test_a_barrel_centred_beyond_the_axis_is_refused(rng):
-    angle = np.arcsin(10.0 / 50.0)
-    z, r = 10.0, 50.0 * np.cos(angle) - 45.0
-    barrel = Profile(
-        "barrel",
-        (
-            Element((0.0, 0.0), (r, 0.0)),
-            Element((r, 0.0), (r, 2 * z), (-45.0, z), 50.0),
-            Element((r, 2 * z), (0.0, 2 * z)),
-        ),
-    )
-    with pytest.raises(InputError, match="45 mm beyond the axis"):
-        removed(bundle([0, 0, 0], UP), random_path(rng), barrel)
 
 
 def test_counts_say_what_culling_saved(rng):
