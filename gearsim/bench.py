@@ -34,7 +34,7 @@ def removal(device: str) -> dict[str, Any]:
     job = plan(scene, folder)
     prepare(device)
     normals = sample_grid(job.tooth.flank("convex"), 65, 513).rays()
-    dexels = slot_box(job.tooth, 0.15).rays(2)
+    dexels = slot_box(job.tooth.patches, job.tooth.blank, 0.15).rays(2)
     threads = sorted({1, os.cpu_count() or 1}) if device == "cpu" else [1]
     cases: list[tuple[str, RayBundle, SegmentTable]] = [
         ("normals, continuous", normals, job.theory["convex"].table),

@@ -65,7 +65,7 @@ class Job:
         others = dense if len(set(self.path_names)) > 1 else 0
         flank = motions * (dense + coarse) + 2 * len(m.profile_offsets_mm) + others
         converge = (len(m.convergence) + 1) * dense if self.theory and m.convergence else 0
-        box = slot_box(self.tooth, self.scene.simulation.dexel_pitch_mm).counts
+        box = slot_box(self.tooth.patches, self.tooth.blank, self.scene.simulation.dexel_pitch_mm).counts
         dexels = int(box[0] * box[1] + box[1] * box[2] + box[0] * box[2])
         return 2 * (flank + converge) + 3 * max(3, m.rows // 2) * m.columns + dexels
 

@@ -10,6 +10,7 @@ from typing import Protocol
 import numpy as np
 
 from gearsim import generating
+from gearsim.cutters.profile import Profile
 from gearsim.envelope import prepare_envelope
 from gearsim.errors import Status
 from gearsim.generating import GeneratingJob
@@ -79,15 +80,18 @@ def run(
     progress.stage("compiling kernels", 0)
     compile_s = prepare(device) + prepare_envelope()
     settings = job.scene.simulation
-    machine = MeasuringMachine(job.cutter, device, settings.tolerance_mm, settings.interval_slots, progress.advance)
+
+    def machine_for(cutter: Profile) -> MeasuringMachine:
+        return MeasuringMachine(cutter, device, settings.tolerance_mm, settings.interval_slots, progress.advance)
+
     result: Result
     if isinstance(job, GeneratingJob):
         progress.stage("cutting and measuring", job.ray_count() + job.samples())
-        result = generating.measure(job, machine, device)
+        result = generating.measure(job, machine_for, device)
     else:
         progress.stage("cutting and measuring", job.ray_count() + job.envelope_samples())
-        result = _measure(job, machine, device)
-    timings = {"compile": compile_s, "plan": planned - started, "kernel": machine.kernel_s}
+        result = _measure(job, machine_for(job.cutter), device)
+    timings = {"compile": compile_s, "plan": planned - started, **result.timings_s}
     return replace(result, timings_s={**timings, "total": perf_counter() - started})
 
 
@@ -99,7 +103,7 @@ def _measure(job: Job, machine: MeasuringMachine, device: str) -> FlankMillingRe
     root = measure_root(machine, job.tooth, job.program, rows, metrology.columns, metrology.margin, metrology.window)
     pitch = job.scene.simulation.dexel_pitch_mm
     grids = [flank.grid for flank in flanks.values()]
-    dexels = measure_dexels(machine, job.tooth, job.program, pitch, grids)
+    dexels = measure_dexels(machine, job.tooth.patches, job.tooth.blank, job.program, pitch, grids)
     rapid = np.array([name == RAPID for name in job.path_names])[job.program.path]
     findings: list[Finding] = []
     for flank in flanks.values():
@@ -127,7 +131,7 @@ def _measure(job: Job, machine: MeasuringMachine, device: str) -> FlankMillingRe
             "pairs": machine.pairs,
             "candidates": machine.candidates,
         },
-        timings_s={},
+        timings_s={"kernel": machine.kernel_s},
         versions=versions(),
         frame=GEAR_FRAME,
     )

@@ -6,7 +6,7 @@ import numpy as np
 
 from gearsim.envelope import EnvelopePatch
 from gearsim.errors import InputError
-from gearsim.generating.job import GeneratingJob
+from gearsim.generating.job import Cut, GeneratingJob
 from gearsim.machines.chain import Machine
 from gearsim.motion.axes import AxisMotion, tip_control
 from gearsim.motion.guiding import guided, line
@@ -42,7 +42,8 @@ def plan_envelope(scene: EnvelopeScene) -> GeneratingJob:
     )
     program = CLProgram((CLPath("nc", tips, axes),), cutter)
     programs = {"toolpath.cl": format_cl(program, scene.name, 600.0, 9)}
-    return GeneratingJob(scene, cutter, patches, sources, TEXTS, "workpiece frame of the NC program", programs=programs)
+    cut = Cut(cutter, patches, sources)
+    return GeneratingJob(scene, (cut,), TEXTS, "workpiece frame of the NC program", programs)
 
 
 def axis_values(table: AxisPointsTable, machine: Machine) -> np.ndarray:

@@ -7,40 +7,53 @@ from dataclasses import dataclass, field
 
 from gearsim.cutters.profile import Profile
 from gearsim.metrology.bevel import FlankMotion
+from gearsim.metrology.dexel_check import slot_box
 from gearsim.metrology.samples import SampleGrid, sample_grid
 from gearsim.motion.segments import compile_motion
 from gearsim.motion.sources import MotionSource
 from gearsim.scene.generated import GeneratedScene
+from gearsim.surfaces.blank import BevelBlank
 from gearsim.surfaces.patch import Patch
 
 
 @dataclass(frozen=True)
-class GeneratingJob:
-    """A scene made ready to run.
+class Cut:
+    """One tool, the surfaces it generates, and the motions they are measured under, the generating one first.
 
-    ``sources`` and ``texts`` go by the motions' names, the generating one first; ``sampled`` gives a motion
-    made of N points, for those that converge to the generating one; ``programs`` are texts to be written, by
-    file name; ``frame`` is the frame of all coordinates in words.
+    ``sampled`` gives a motion made of N points, for those that converge to the generating one.
     """
 
-    scene: GeneratedScene
     cutter: Profile
     patches: tuple[Patch, ...]
     sources: dict[str, MotionSource]
-    texts: dict[str, str]
-    frame: str
     sampled: dict[str, Callable[[int], MotionSource]] = field(default_factory=dict)
-    programs: dict[str, str] = field(default_factory=dict)
 
     @property
     def generating(self) -> str:
         """Name of the motion whose envelope the surfaces are."""
         return next(iter(self.sources))
 
-    def compiled(self, source: MotionSource) -> FlankMotion:
-        """A motion of this job's cutter with its table, to the scene's tolerance."""
+
+@dataclass(frozen=True)
+class GeneratingJob:
+    """A scene made ready to run.
+
+    ``texts`` says what each motion is, by name; ``frame`` is the frame of all coordinates in words;
+    ``programs`` are texts to be written, by file name; ``blank`` is what the surfaces are cut into (None: they
+    stand alone).
+    """
+
+    scene: GeneratedScene
+    cuts: tuple[Cut, ...]
+    texts: dict[str, str]
+    frame: str
+    programs: dict[str, str] = field(default_factory=dict)
+    blank: BevelBlank | None = None
+
+    def compiled(self, cut: Cut, source: MotionSource) -> FlankMotion:
+        """A motion of a cut's tool with its table, to the scene's tolerance."""
         tolerance = self.scene.simulation.compile_tolerance_mm
-        return FlankMotion([source], compile_motion(source, self.cutter.reach, tolerance))
+        return FlankMotion([source], compile_motion(source, cut.cutter.reach, tolerance))
 
     def grid(self, patch: Patch) -> SampleGrid:
         """The dense grid of one surface."""
@@ -50,10 +63,18 @@ class GeneratingJob:
     def samples(self) -> int:
         """Samples of all surfaces under all motions."""
         m = self.scene.metrology
-        return len(self.patches) * len(self.sources) * m.rows * m.columns
+        return sum(len(cut.patches) * len(cut.sources) for cut in self.cuts) * m.rows * m.columns
 
     def ray_count(self) -> int:
-        """Rays the run will cut."""
+        """Rays the run will cut, the tri-dexel's check (a few thousand) left out."""
         m = self.scene.metrology
-        converging = len(self.sampled) * (len(m.convergence) + 1) if m.convergence else 0
-        return self.samples() + len(self.patches) * converging * m.rows * m.columns
+        motions = len(m.convergence) + 1 if m.convergence else 0
+        converging = sum(len(cut.patches) * len(cut.sampled) for cut in self.cuts) * motions * m.rows * m.columns
+        return self.samples() + converging + self._dexel_rays()
+
+    def _dexel_rays(self) -> int:
+        if self.blank is None:
+            return 0
+        patches = [p for cut in self.cuts for p in cut.patches]
+        counts = slot_box(patches, self.blank, self.scene.simulation.dexel_pitch_mm).counts
+        return int(counts[0] * counts[1] + counts[1] * counts[2] + counts[0] * counts[2])

@@ -18,7 +18,7 @@ def plan(scene: GeneratedScene) -> GeneratingJob:
 def estimate(job: GeneratingJob) -> dict[str, float]:
     """Rays, segments, memory [MB] and time [s] of a run, from figures measured on two common CPU cores."""
     rays, samples = job.ray_count(), job.samples()
-    segments = sum(len(job.compiled(source).table) for source in job.sources.values())
+    segments = sum(len(job.compiled(cut, source).table) for cut in job.cuts for source in cut.sources.values())
     slots = job.scene.simulation.interval_slots
     return {
         "rays": rays,

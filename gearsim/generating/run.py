@@ -6,89 +6,104 @@ from collections.abc import Callable
 
 import numpy as np
 
+from gearsim.cutters.profile import Profile
 from gearsim.errors import Status
-from gearsim.generating.job import GeneratingJob
-from gearsim.metrology.bevel import Convergence, FlankMotion, measure_convergence
+from gearsim.generating.job import Cut, GeneratingJob
+from gearsim.metrology.bevel import FlankMotion, measure_convergence
+from gearsim.metrology.dexel_check import DexelResult, measure_dexels
 from gearsim.metrology.findings import Finding, surface_findings
 from gearsim.metrology.machine import MeasuringMachine
 from gearsim.metrology.roads import LIMIT_UM
 from gearsim.metrology.surface import SurfaceResult, measure_surface, surface_rays
 from gearsim.motion.segments import SegmentTable
 from gearsim.motion.sources import MotionSource
-from gearsim.result import GeneratingResult, Verdict, versions
+from gearsim.result import CutResult, GeneratingResult, Verdict, versions
 from gearsim.scene import scene_table
 
 
-def measure(job: GeneratingJob, machine: MeasuringMachine, device: str) -> GeneratingResult:
-    """Measure everything the report holds."""
-    motions = {name: job.compiled(source) for name, source in job.sources.items()}
-    generating = motions[job.generating]
-    surfaces = {}
-    for patch in job.patches:
-        surface = measure_surface(machine, job.grid(patch), generating, motions)
-        surface.convergence.update(_convergence(job, machine, generating, surface))
-        surfaces[patch.name] = surface
-    findings: list[Finding] = []
-    for surface in surfaces.values():
-        findings += surface_findings(surface, job.scene.metrology.judged, job.scene.metrology.tolerance_um)
-    verdict, status = _verdict(job, surfaces, findings)
+def measure(job: GeneratingJob, machine_for: Callable[[Profile], MeasuringMachine], device: str) -> GeneratingResult:
+    """Measure everything the report holds; ``machine_for`` gives a measuring machine for a tool."""
+    cuts, machines, segments, dexels = [], [], 0, None
+    for cut in job.cuts:
+        machine = machine_for(cut.cutter)
+        motions = {name: job.compiled(cut, source) for name, source in cut.sources.items()}
+        surfaces = {p.name: _surface(job, cut, machine, motions, i) for i, p in enumerate(cut.patches)}
+        cuts.append(CutResult(cut.cutter, cut.sources, surfaces))
+        machines.append(machine)
+        segments += sum(len(m.table) for m in motions.values())
+        if job.blank is not None:
+            dexels = _dexels(job, cut, machine, motions, surfaces)
+    m = job.scene.metrology
+    findings = [f for c in cuts for s in c.surfaces.values() for f in surface_findings(s, m.judged, m.tolerance_um)]
+    verdict, status = _verdict(cuts, dexels, findings)
     return GeneratingResult(
         scene=scene_table(job.scene),
         device=device,
-        cutter=job.cutter,
         findings=tuple(findings),
         verdict=verdict,
         status=status,
         counts={
-            "rays": machine.rays,
-            "segments": sum(len(m.table) for m in motions.values()),
-            "pairs": machine.pairs,
-            "candidates": machine.candidates,
+            "rays": sum(m.rays for m in machines),
+            "segments": segments,
+            "pairs": sum(m.pairs for m in machines),
+            "candidates": sum(m.candidates for m in machines),
         },
-        timings_s={},
+        timings_s={"kernel": sum(m.kernel_s for m in machines)},
         versions=versions(),
         frame=job.frame,
-        surfaces=surfaces,
-        sources=dict(job.sources),
+        cuts=tuple(cuts),
         texts=dict(job.texts),
         programs=dict(job.programs),
-        dexels=None,
+        blank=job.blank,
+        dexels=dexels,
     )
 
 
-def _convergence(
-    job: GeneratingJob, machine: MeasuringMachine, generating: FlankMotion, surface: SurfaceResult
-) -> dict[str, Convergence]:
-    """How motions of N points approach the generating one on a surface."""
+def _surface(
+    job: GeneratingJob, cut: Cut, machine: MeasuringMachine, motions: dict[str, FlankMotion], index: int
+) -> SurfaceResult:
+    generating = motions[cut.generating]
+    surface = measure_surface(machine, job.grid(cut.patches[index]), generating, motions)
     points, rays = job.scene.metrology.convergence, surface_rays(surface)
-    if not points or not len(rays):
-        return {}
-    out = {}
-    for name, make in job.sampled.items():
+    if points and len(rays):
+        for name, make in cut.sampled.items():
 
-        def table(n: int, make: Callable[[int], MotionSource] = make) -> SegmentTable:
-            return job.compiled(make(n)).table
+            def table(n: int, make: Callable[[int], MotionSource] = make) -> SegmentTable:
+                return job.compiled(cut, make(n)).table
 
-        out[name] = measure_convergence(machine, rays, generating.table, table, points)
-    return out
+            surface.convergence[name] = measure_convergence(machine, rays, generating.table, table, points)
+    return surface
 
 
-def _verdict(job: GeneratingJob, surfaces: dict[str, SurfaceResult], findings: list[Finding]) -> tuple[Verdict, str]:
+def _dexels(
+    job: GeneratingJob, cut: Cut, machine: MeasuringMachine, motions: dict[str, FlankMotion],
+    surfaces: dict[str, SurfaceResult],
+) -> DexelResult:  # fmt: skip
+    assert job.blank is not None
+    grids = [surface.grid for surface in surfaces.values()]
+    pitch = job.scene.simulation.dexel_pitch_mm
+    return measure_dexels(machine, cut.patches, job.blank, motions[cut.generating].table, pitch, grids)
+
+
+def _verdict(cuts: list[CutResult], dexels: DexelResult | None, findings: list[Finding]) -> tuple[Verdict, str]:
     """Pass or fail by the findings; unchecked where closed form, envelope and removal do not confirm each other."""
-    for name, surface in surfaces.items():
-        own = surface.deviations[job.generating]
-        off = 1e3 * float(np.nanmax(np.abs(own.value[surface.measurable]), initial=0.0))
-        lost = int(np.count_nonzero(surface.measurable & ~own.measured))
-        if off > LIMIT_UM or lost:
-            return "unchecked", (
-                f"the closed form of {name} differs from what its own motion removes by {off:.3g} um "
-                f"(limit {LIMIT_UM:g}); {lost} samples are not cut near it"
-            )
-        worst = max(gap.max_um for gap in surface.gaps.values())
-        apart = sum(gap.disagree for gap in surface.gaps.values())
-        if worst > LIMIT_UM or apart:
-            return "unchecked", (
-                f"the two roads differ by {worst:.3g} um on {name} (limit {LIMIT_UM:g}); {apart} samples are cut by "
-                "only one of them"
-            )
+    for cut in cuts:
+        for name, surface in cut.surfaces.items():
+            own = surface.deviations[next(iter(cut.sources))]
+            off = 1e3 * float(np.nanmax(np.abs(own.value[surface.measurable]), initial=0.0))
+            lost = int(np.count_nonzero(surface.measurable & ~own.measured))
+            if off > LIMIT_UM or lost:
+                return "unchecked", (
+                    f"the closed form of {name} differs from what its own motion removes by {off:.3g} um "
+                    f"(limit {LIMIT_UM:g}); {lost} samples are not cut near it"
+                )
+            worst = max(gap.max_um for gap in surface.gaps.values())
+            apart = sum(gap.disagree for gap in surface.gaps.values())
+            if worst > LIMIT_UM or apart:
+                return "unchecked", (
+                    f"the two roads differ by {worst:.3g} um on {name} (limit {LIMIT_UM:g}); {apart} samples are cut "
+                    "by only one of them"
+                )
+    if dexels is not None and dexels.check_um > LIMIT_UM:
+        return "unchecked", f"the tri-dexel differs from the rays by {dexels.check_um:.3g} um (limit {LIMIT_UM:g})"
     return ("fail" if any(f.fails for f in findings) else "pass"), Status.OK.name or "OK"

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -13,7 +14,8 @@ from gearsim.metrology.machine import MeasuringMachine
 from gearsim.metrology.samples import SampleGrid, window_rays
 from gearsim.motion.segments import SegmentTable
 from gearsim.simulation.dexels import DexelBox, DexelStock, machined_stock
-from gearsim.surfaces.ruled_bevel import RuledBevelTooth
+from gearsim.surfaces.blank import BevelBlank
+from gearsim.surfaces.patch import Patch
 
 _NEAR = 0.05
 _MOST = 4000
@@ -39,29 +41,31 @@ class DexelResult:
         return [b.removed_volume for b in self.bundles]
 
 
-def slot_box(tooth: RuledBevelTooth, pitch: float) -> DexelBox:
-    """The box around one slot, in the profile frame of the mean point, with some tooth on every side."""
-    spine = tooth.spine(np.zeros(1), 0)
-    local = frame(spine.origin.value[0], spine.x.value[0], spine.z.value[0])
+def slot_box(patches: Sequence[Patch], blank: BevelBlank, pitch: float) -> DexelBox:
+    """The box around a slot's patches, along the pitch cone at their middle, with some tooth on every side."""
+    middle = patches[len(patches) // 2]
+    origin = middle.jet(*middle.locate(np.array([0.5]), np.array([0.5]))).r[0]
+    along, normal = blank.cone_directions(origin)
+    local = frame(origin, along, normal)
     edges = np.linspace(0.0, 1.0, 33)
-    corners = [patch.jet(*patch.locate(edges, np.full(33, tip))).r for patch in tooth.patches for tip in (0.0, 1.0)]
+    corners = [patch.jet(*patch.locate(edges, np.full(33, tip))).r for patch in patches for tip in (0.0, 1.0)]
     points = local.inverse().point(np.concatenate(corners))
     return DexelBox(local, points.min(axis=0) - _MARGIN, points.max(axis=0) + _MARGIN, pitch)
 
 
 def measure_dexels(
-    machine: MeasuringMachine, tooth: RuledBevelTooth, program: SegmentTable, pitch: float,
-    flanks: list[SampleGrid],
+    machine: MeasuringMachine, patches: Sequence[Patch], blank: BevelBlank, program: SegmentTable, pitch: float,
+    grids: list[SampleGrid],
 ) -> DexelResult:  # fmt: skip
-    """Cut the slot's three dexel bundles out of the blank and check their ends on the flanks."""
-    box = slot_box(tooth, pitch)
+    """Cut the slot's three dexel bundles out of the blank and check their ends on the surfaces of the grids."""
+    box = slot_box(patches, blank, pitch)
     bundles = []
     for axis in range(3):
         removed = machine.removed(box.rays(axis), program)
-        bundles.append(machined_stock(box, axis, tooth.blank.stock, removed))
+        bundles.append(machined_stock(box, axis, blank.stock, removed))
     points = np.concatenate([b.cut_points()[0] for b in bundles])
     checked, worst = 0, 0.0
-    for grid in flanks:
+    for grid in grids:
         gaps = _foot_gaps(machine, grid, points, program)
         checked += len(gaps)
         worst = max(worst, 1e3 * float(gaps.max(initial=0.0)))

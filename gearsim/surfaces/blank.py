@@ -125,6 +125,13 @@ class BevelBlank:
             radius * cos(self.pitch) - z * sin(self.pitch),
         )
 
+    def cone_directions(self, point: NDArray) -> tuple[NDArray, NDArray]:
+        """Unit vectors along the pitch cone's generator and its normal beside a point, shape (3,)."""
+        around = np.append(point[:2] / np.hypot(*point[:2]), 0.0)
+        along_axis = np.array([0.0, 0.0, 1.0])
+        s, c = sin(self.pitch), cos(self.pitch)
+        return s * around + c * along_axis, c * around - s * along_axis
+
     def mate(self, teeth: int) -> BevelBlank:
         """The mating blank for perpendicular shafts and parallel root and face cones (table 3.2)."""
         pitch = 0.5 * pi - self.pitch

@@ -230,7 +230,7 @@ def test_tri_dexel_ends_lie_where_the_normals_say(tooth, fitting_cutter, device)
         compile_motion(FlankPath(tooth, side, fitting_cutter, 8.0).motion, fitting_cutter.reach) for side in SIDES
     ]
     grids = [sample_grid(tooth.flank(side), 9, 33) for side in SIDES]
-    result = measure_dexels(machine(fitting_cutter, device), tooth, join(tables), 0.6, grids)
+    result = measure_dexels(machine(fitting_cutter, device), tooth.patches, tooth.blank, join(tables), 0.6, grids)
     assert result.checked > 300
     assert result.check_um < 1e-3
     volumes = np.array(result.removed_volumes)

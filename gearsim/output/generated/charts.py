@@ -14,7 +14,7 @@ from gearsim.result import GeneratingResult
 def draw_deviations(result: GeneratingResult, file: Path) -> None:
     """deviation.png: one row a motion, one column a surface."""
     plt = pyplot()
-    motions, surfaces = list(result.sources), list(result.surfaces.values())
+    motions, surfaces = list(result.texts), list(result.surfaces.values())
     size = (5.6 * len(surfaces) + 1.0, 3.6 * len(motions) + 0.8)
     figure, axes = plt.subplots(len(motions), len(surfaces), figsize=size, squeeze=False, constrained_layout=True)
     for row, motion in enumerate(motions):
@@ -28,7 +28,7 @@ def draw_deviations(result: GeneratingResult, file: Path) -> None:
 
 def draw_axes(result: GeneratingResult, file: Path) -> None:
     """axes.png: the axis values of every machine motion over its blocks; nothing where there is none."""
-    motions = {name: s for name, s in result.sources.items() if isinstance(s, AxisMotion)}
+    motions = {n: s for cut in result.cuts for n, s in cut.sources.items() if isinstance(s, AxisMotion)}
     if not motions:
         return
     plt = pyplot()

@@ -26,11 +26,12 @@ def write_drawing(result: GeneratingResult, file: Path) -> None:
         arrays[f"grazing:{name}"] = _grazing_curves(surface)
     if result.dexels is not None:
         arrays |= relief_arrays(result.dexels, [s.grid.patch for s in result.surfaces.values()])
-    source = next(iter(result.sources.values()))
+    cut = result.cuts[0]
+    source = next(iter(cut.sources.values()))
     piece = np.array([0, (source.pieces - 1) // 2, source.pieces - 1])
     t = np.array([0.0, 0.5 if source.pieces % 2 else 1.0, 1.0])
     pose = source.pose(piece, t, 0)
-    arrays |= {"tool:profile": _outline(result.cutter), "tool:tip": pose.tip.value, "tool:axis": pose.axis.value}
+    arrays |= {"tool:profile": _outline(cut.cutter), "tool:tip": pose.tip.value, "tool:axis": pose.axis.value}
     np.savez(file, allow_pickle=False, **arrays)
 
 

@@ -17,7 +17,7 @@ from gearsim.result import GeneratingResult
 def shown_motion(result: GeneratingResult) -> str:
     """The motion whose deviations stand in the plain channels: the last judged one, else the generating one."""
     judged = result.scene["metrology"]["judged"]
-    return str(judged[-1]) if judged else next(iter(result.sources))
+    return str(judged[-1]) if judged else next(iter(result.texts))
 
 
 def surface_channels(result: GeneratingResult, surface: SurfaceResult) -> dict[str, NDArray]:
