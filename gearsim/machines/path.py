@@ -89,7 +89,8 @@ def axis_values(
     """Axis values for a path of tips [mm] and unit axes, (n, 3), workpiece frame.
 
     ``near`` (k,): axis values the path is to start near: it settles branch, whole turns and the position of a
-    free axis. Without it the start is chosen that keeps the limits, then the one of least rotary travel.
+    free axis. Without it the start is chosen that keeps the limits, then the one with the smaller rotary
+    positions (Litvin and Chen's choice under (16)).
     ``spin`` [rad]: the tool's own rotary axis, where there is one. Raises InputError as ``inverse_pose``.
     """
     solver = Solver(machine, frame=False)
@@ -128,7 +129,8 @@ def _best(
         for joint, column in zip(solver.rotaries, columns, strict=True):
             values[:, column] += 2.0 * pi * _turns(values[:, column], joint, start, column)
         overruns = _overruns(machine, values)
-        cost = sum(abs(o.value - o.limit) for o in overruns), np.abs(np.diff(values[:, columns], axis=0)).sum()
+        beyond = sum(abs(o.value - o.limit) for o in overruns)
+        cost = beyond, round(float(np.abs(values[:, columns]).sum()), 6)
         swings = _swings(solver.rotaries[0], values[:, columns[0]], wanted)
         paths.append((cost, AxisPath(machine, values, branch, free, overruns, swings)))
     return min(paths, key=lambda entry: entry[0])[1]

@@ -119,6 +119,25 @@ def test_the_start_is_chosen_so_that_limits_hold():
     assert path.values[:, 4].max() <= 4 * pi
 
 
+def test_whole_turns_are_added_until_the_limits_hold():
+    machine = table_table_bc().limited(C=(0.0, 4 * pi))
+    c = np.linspace(-21.0, -15.0, 30)
+    path = axis_values(machine.limited(B=(0.0, 1.0)), *run(machine, B=0.5, C=c))
+    assert path.overruns == ()
+    assert wrap(path.values[:, 4] - c) == pytest.approx(0.0, abs=1e-9)
+
+
+def test_without_a_wish_the_smaller_positions_are_taken():
+    """Litvin and Chen under (16): of phi and 180 deg - phi the smaller one."""
+    machine, t = phoenix(), np.linspace(0.0, 1.0, 9)
+    values = machine.values(Z=300.0, A=0.3 + t, B=-0.2 - 0.1 * t, C=0.1 * t)
+    path = axis_values_of_frames(machine, *machine.forward_frame(values))
+    assert np.allclose(path.values, values, atol=1e-10)
+    other = machine.values(Z=300.0, A=pi - t, B=pi + 0.2 + 0.1 * t, C=pi + 0.1 * t)
+    again = axis_values_of_frames(machine, *machine.forward_frame(other))
+    assert np.abs(again.values[:, 4]).max() < pi / 2
+
+
 @pytest.mark.parametrize(("limits", "low", "high"), [((-10.0, np.inf), -10.0, 1e9), ((-np.inf, -30.0), -1e9, -30.0)])
 def test_one_sided_limits_hold_too(limits, low, high):
     machine = table_table_bc().limited(C=limits)

@@ -103,6 +103,14 @@ def test_the_frames_of_a_six_axis_machine_carry_the_spin(rng):
     assert np.allclose((turned.radial.value * frame.radial.value).sum(axis=1), np.cos(0.5))
 
 
+def test_tip_control_turns_the_tool_about_its_axis_too(rng):
+    machine = phoenix()
+    values = blocks(machine, rng, 2)
+    piece, t = np.zeros(3, dtype=int), np.array([0.0, 0.4, 1.0])
+    free, controlled = (s.frame(piece, t, 1) for s in (AxisMotion(machine, values), tip_control(machine, values)))
+    assert np.allclose(controlled.radial.c, free.radial.c, atol=1e-13)
+
+
 def smooth_path(n):
     """A curve with a turning axis on a B/C table, sampled at n + 1 points."""
     s = np.linspace(0.0, 1.0, n + 1)
