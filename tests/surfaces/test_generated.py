@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from gearsim.cutters.profile import Element
+from gearsim.errors import InputError
 from gearsim.geometry.pose import PoseSeries
 from gearsim.geometry.series import Series, exp, stack
 from gearsim.surfaces.generated import Envelope
@@ -138,6 +139,12 @@ def test_closing_is_the_second_derivative_of_the_distance(patches):
         second = (distance(u + h) - 2.0 * distance(u) + distance(u - h)) / h**2
         assert np.allclose(distance(u), 0.0, atol=1e-11)
         assert np.allclose(second, jet.closing, rtol=2e-3), patch.name
+
+
+def test_curves_run_along_straight_elements_only():
+    fillet, still = make_face_milled().fillet("convex"), Series(np.zeros((2, 1)))
+    with pytest.raises(InputError, match="only straight elements lie along rules"):
+        fillet.sheet.curve(still, still)
 
 
 def test_wild_modified_roll_undercuts_and_says_so():

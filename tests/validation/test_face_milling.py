@@ -9,7 +9,9 @@ import pytest
 from gearsim.envelope import machined_along
 from gearsim.geometry.rays import RayBundle
 from gearsim.metrology.deviation import measure
+from gearsim.metrology.samples import sample_grid
 from gearsim.motion.segments import compile_motion
+from gearsim.motion.sources import CurveMotion
 from gearsim.simulation.removal import cut
 from gearsim.surfaces.ruled_bevel import SIDES
 from gearsim.toolpaths.face_milled import GeneratedFlankPath
@@ -197,6 +199,30 @@ def test_brute_force_finds_the_surface(tooth, name, rng):
     inside, _ = least_distance(tooth, jet.r - 1e-3 * jet.normal)
     assert np.allclose(out, -1e-3, atol=1e-6)
     assert np.allclose(inside, 1e-3, atol=1e-6)
+
+
+@pytest.mark.parametrize("name", ["concave", "concave fillet", "bottom", "convex fillet", "convex"])
+def test_a_plunged_head_leaves_its_own_shape(name, rng):
+    """Formate: over the whole infeed the head comes nearest at full depth, to 1e-9 mm."""
+    tooth = make_face_milled(generated=False)
+    patch = next(p for p in tooth.patches if p.name == name)
+    _, _, jet = samples(patch, rng, 25)
+    back = np.linspace(*tooth.motion_range, 800)
+    tip, axis = (s.value for s in tooth.poses(back, 0))
+    for offset, expected in ((0.0, 0.0), (1e-3, -1e-3), (-1e-3, 1e-3)):
+        q = (jet.r + offset * jet.normal)[:, None] - tip
+        z = dot(q, axis)
+        distance = ring_distance(np.linalg.norm(q - z[..., None] * axis, axis=-1), z)
+        assert np.allclose(distance.min(axis=1), expected, atol=1e-9)
+        assert np.all(distance.argmin(axis=1) == len(back) - 1)
+
+
+def test_the_envelope_road_machines_the_intended_slot(tooth):
+    """All classes and trimming over the whole roll: nothing else cuts flanks, fillets or bottom land."""
+    motion = CurveMotion(tooth.poses, *tooth.motion_range)
+    for patch in tooth.patches:
+        rays = sample_grid(patch, 4, 7, 0.02).rays()
+        assert np.abs(machined_along(rays, [motion], tooth.head).deviation).max() < 1e-9, patch.name
 
 
 PRINTED = {
