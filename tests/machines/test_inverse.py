@@ -56,7 +56,7 @@ def test_both_branches_reach_the_pose_and_one_is_where_it_came_from(name, seed):
         assert np.allclose(again if six else again[..., 2], rotation if six else rotation[..., 2], atol=1e-10)
     away = distance(machine, found.values, values)
     apart = np.abs(wrap(found.values[0] - found.values[1]))[:, 3:].max(axis=-1)
-    assert (away.min(axis=0) < 1e-10)[apart > 0.1].all()  # where branches meet, angles are ill-conditioned
+    assert (away.min(axis=0) < 1e-10)[apart > 0.3].all()  # where branches meet, angles are ill-conditioned
 
 
 @pytest.mark.parametrize("name", SIX_AXIS)
