@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 from gearsim.generating.envelope import plan_envelope
+from gearsim.generating.face_milling import plan_face_milling
+from gearsim.generating.hypoid import plan_hypoid
 from gearsim.generating.job import GeneratingJob
-from gearsim.scene.generated import EnvelopeScene, GeneratedScene
+from gearsim.scene.generated import EnvelopeScene, FaceMillingScene, GeneratedScene, HypoidScene
 from gearsim.simulation.removal import SLOT_BYTES, tile_rays
 
 
@@ -12,7 +14,10 @@ def plan(scene: GeneratedScene) -> GeneratingJob:
     """Build the surfaces and motions of a scene."""
     if isinstance(scene, EnvelopeScene):
         return plan_envelope(scene)
-    raise TypeError(type(scene).__name__)
+    if isinstance(scene, FaceMillingScene):
+        return plan_face_milling(scene)
+    assert isinstance(scene, HypoidScene)
+    return plan_hypoid(scene)
 
 
 def estimate(job: GeneratingJob) -> dict[str, float]:

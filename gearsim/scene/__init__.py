@@ -1,14 +1,16 @@
 """Scenes: TOML files turned into the dataclasses of the other rooms, with every mistake told at once."""
 
 from gearsim.scene.flank_milling import FlankMillingScene
-from gearsim.scene.generated import EnvelopeScene, GeneratedScene
+from gearsim.scene.generated import EnvelopeScene, FaceMillingScene, GeneratedScene, HypoidScene
 from gearsim.scene.loading import check_scene, load_scene, scene_names, scene_table, scene_text
 from gearsim.scene.tables import Scene
 
 __all__ = [
     "EnvelopeScene",
+    "FaceMillingScene",
     "FlankMillingScene",
     "GeneratedScene",
+    "HypoidScene",
     "Scene",
     "check_scene",
     "load_scene",

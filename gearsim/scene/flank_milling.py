@@ -9,29 +9,18 @@ from typing import Literal
 from pydantic import Field, model_validator
 
 from gearsim.cutters.profile import Profile
+from gearsim.scene.bevel import BevelBlankTable
 from gearsim.scene.catalogue import AnyCutter
 from gearsim.scene.tables import Angle, Count, Length, LengthOrZero, Scene, Table
-from gearsim.surfaces.blank import BevelBlank, outer_cone_distance, pitch_angle
 from gearsim.surfaces.ruled_bevel import RuledBevelTooth
 
 
-class RuledBevelTable(Table):
+class RuledBevelTable(BevelBlankTable):
     """Table [surface] of kind ``ruled-bevel``: blank and tooth of a ruled spiral bevel gear."""
 
     kind: Literal["ruled-bevel"]
-    teeth: int = Field(ge=5, le=1000)
-    mate_teeth: int = Field(ge=3, le=1000)
     hand: Literal["left", "right"]
-    module_mm: Length
-    shaft_angle_deg: float = Field(gt=0.0, lt=180.0, allow_inf_nan=False)
     spiral_angle_deg: float = Field(ge=0.0, lt=60.0, allow_inf_nan=False)
-    face_width_mm: Length
-    addendum_mm: Length
-    dedendum_mm: Length
-    face_angle_deg: float = Field(gt=0.0, lt=180.0, allow_inf_nan=False)
-    root_angle_deg: float = Field(gt=0.0, lt=180.0, allow_inf_nan=False)
-    clearance_mm: LengthOrZero
-    rim_mm: Length
     lengthwise_radius_mm: Length
     bottom_half_width_mm: LengthOrZero
     fillet_radius_mm: LengthOrZero
@@ -40,14 +29,8 @@ class RuledBevelTable(Table):
 
     def build(self) -> RuledBevelTooth:
         """The tooth slot on its blank."""
-        pitch = pitch_angle(self.teeth, self.mate_teeth, radians(self.shaft_angle_deg))
-        blank = BevelBlank(
-            self.teeth, pitch, outer_cone_distance(self.module_mm, self.teeth, pitch), self.face_width_mm,
-            self.addendum_mm, self.dedendum_mm, radians(self.face_angle_deg), radians(self.root_angle_deg),
-            self.clearance_mm, self.rim_mm,
-        )  # fmt: skip
         return RuledBevelTooth(
-            blank, radians(self.spiral_angle_deg), self.hand, self.lengthwise_radius_mm,
+            self.blank(), radians(self.spiral_angle_deg), self.hand, self.lengthwise_radius_mm,
             self.bottom_half_width_mm, self.fillet_radius_mm, radians(self.pressure_angle_deg),
             radians(self.start_angle_deg),
         )  # fmt: skip

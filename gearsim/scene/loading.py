@@ -14,10 +14,15 @@ from pydantic import ValidationError
 
 from gearsim.errors import InputError, read_input
 from gearsim.scene.flank_milling import FlankMillingScene
-from gearsim.scene.generated import EnvelopeScene
+from gearsim.scene.generated import EnvelopeScene, FaceMillingScene, HypoidScene
 from gearsim.scene.tables import Scene, Table
 
-SCENES: dict[str, type[Scene]] = {"ruled-bevel": FlankMillingScene, "envelope": EnvelopeScene}
+SCENES: dict[str, type[Scene]] = {
+    "ruled-bevel": FlankMillingScene,
+    "envelope": EnvelopeScene,
+    "face-milled": FaceMillingScene,
+    "hypoid-pinion": HypoidScene,
+}
 
 
 def scene_names() -> dict[str, str]:
