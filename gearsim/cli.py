@@ -95,11 +95,12 @@ def _parser() -> argparse.ArgumentParser:
     )
     verify.add_argument("scenes", nargs="*", metavar="SCENE", help="built-in scenes or .toml files (default: all)")
     verify.add_argument("--surface", type=Path, metavar="FILE", help="a Python file: cutter, motion, points(u, v)")
-    verify.add_argument("--points-file", type=Path, metavar="FILE", help="check this point list (.csv or .parquet)")
-    verify.add_argument("--write-points", type=Path, metavar="FILE", help="write the surfaces as point lists instead")
+    lists = verify.add_mutually_exclusive_group()
+    lists.add_argument("--points-file", type=Path, metavar="FILE", help="check this point list (.csv or .parquet)")
+    lists.add_argument("--write-points", type=Path, metavar="FILE", help="write the surfaces as point lists instead")
     verify.add_argument("--points", type=_positive, default=500, help="points per surface (default: %(default)s)")
     verify.add_argument("--seed", type=int, default=1, help="seed of the random points (default: %(default)s)")
-    verify.add_argument("--limit-mm", type=float, default=1e-9, help="largest distance error (default: %(default)s)")
+    verify.add_argument("--limit-mm", type=_size, default=1e-9, help="largest distance error (default: %(default)s)")
     verify.add_argument("--out", type=Path, metavar="FILE", help="also write the figures as JSON to this file")
     verify.set_defaults(command=_verify)
 
@@ -173,6 +174,16 @@ def _positive(text: str) -> int:
     return int(text)
 
 
+def _size(text: str) -> float:
+    try:
+        value = float(text)
+    except ValueError:
+        value = 0.0
+    if not 1e-12 <= value <= 1.0:
+        raise argparse.ArgumentTypeError(f"expected a number from 1e-12 to 1, got {text!r}")
+    return value
+
+
 def _verify(options: argparse.Namespace) -> int:
     from gearsim.output.summary import write_json
     from gearsim.verify.checks import Limits
@@ -191,7 +202,10 @@ def _verify(options: argparse.Namespace) -> int:
         reports = verify_all(subjects, options.points, options.seed, limits)
     print_report(reports)
     if options.out:
-        write_json(summary(reports, limits, options.seed), options.out)
+        try:
+            write_json(summary(reports, limits, options.seed), options.out)
+        except OSError as error:
+            raise InputError(f"cannot write {options.out}: {error.strerror}") from error
     return exit_code(reports)
 
 

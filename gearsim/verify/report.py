@@ -5,6 +5,7 @@ from __future__ import annotations
 import sys
 from dataclasses import dataclass
 from importlib.metadata import version
+from math import isfinite
 from platform import python_version
 from typing import Any
 
@@ -79,7 +80,7 @@ def _check(name: str, check: Check) -> dict[str, Any]:
         "checked": check.checked,
         "failed": check.failed,
         "unsettled": check.unsettled,
-        f"worst_{_UNITS[name]}": check.worst,
+        f"worst_{_UNITS[name]}": None if check.worst is None or not isfinite(check.worst) else check.worst,
         "place_mm": check.place_mm,
     }
 
