@@ -70,7 +70,7 @@ def test_what_is_written_is_read_back(cutter, rng):
         ("GOTO/0,0,0,0,0,0", "line 1: tool axis 0,0,0 has length 0"),
         ("UNITS/INCHES\nGOTO/0,0,0", "line 1: UNITS/INCHES: only UNITS/MM"),
         ("CUTTER/6,1", "line 1: 2 numbers; expected CUTTER"),
-        ("CUTTER/6,1,2.5,1,0,0,20", "line 1: impossible APT cutter"),
+        ("CUTTER/6,1,1.5,1,0,0,20", "line 1: impossible APT cutter"),
         ("FEDRAT/-3", "line 1: FEDRAT/-3: a feed must be positive"),
         ("PPRINT PASS rapid", "line 1: a pass cannot be called 'rapid'"),
         ("CYCLE/DRILL", "line 1: word 'CYCLE' is not supported"),
