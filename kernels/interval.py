@@ -27,6 +27,18 @@ def covers(lists: IntervalLists, ray: int, lo: f64, hi: f64) -> bool:
 
 
 @wp.func
+def free_stretch(lists: IntervalLists, ray: int, lo: f64, hi: f64, margin: f64) -> wp.vec2d:
+    """The first stretch of [lo, hi] farther than ``margin`` from every interval of the list; empty as (1, 0)."""
+    for k in range(lists.count[ray]):
+        if lists.lo[ray, k] - margin > lo:
+            return wp.vec2d(lo, wp.min(hi, lists.lo[ray, k] - margin))
+        lo = wp.max(lo, lists.hi[ray, k] + margin)
+    if lo > hi:
+        return wp.vec2d(f64(1.0), f64(0.0))
+    return wp.vec2d(lo, hi)
+
+
+@wp.func
 def insert(lists: IntervalLists, ray: int, lo: f64, hi: f64, lo_segment: int, hi_segment: int, join: f64) -> bool:
     """Unite [lo, hi] with the list, closing gaps up to ``join``; False where no slot is left."""
     n = lists.count[ray]

@@ -18,10 +18,11 @@ from gearsim.cutters.profile import Profile
 from gearsim.errors import InputError, NumericalError, Status, explain
 from gearsim.geometry.rays import RayBundle
 from gearsim.kernels import removal as kernels
+from gearsim.kernels import ring_removal as ring_kernels
 from gearsim.kernels.interval import IntervalLists
 from gearsim.motion.segments import SegmentTable
 from gearsim.simulation.intervals import IntervalSet, from_lists
-from gearsim.simulation.tools import cutter_data, motion_data, segment_bounds
+from gearsim.simulation.tools import cutter_data, motion_data, ring_data, segment_bounds
 
 TILE_BYTES = 1 << 29
 SLOT_BYTES = 24
@@ -57,8 +58,8 @@ class Removal:
         return self
 
 
-def prepare(device: str) -> float:
-    """Compile and load the kernels for a device ahead of use; seconds taken.
+def prepare(device: str, ring: bool = False) -> float:
+    """Compile and load the kernels for a device ahead of use, those for rings if ``ring``; seconds taken.
 
     Raises InputError where Warp knows no such device.
     """
@@ -70,7 +71,7 @@ def prepare(device: str) -> float:
     except Exception as error:
         known = ", ".join(str(d) for d in wp.get_devices())
         raise InputError(f"no device {device!r}; this machine has {known}") from error
-    wp.load_module(kernels, device=device)
+    wp.load_module(ring_kernels if ring else kernels, device=device)
     return perf_counter() - started
 
 
@@ -130,7 +131,7 @@ def cut(
     ``threads`` the CPU threads (default: all cores); ``progress`` is told of rays done. Check
     ``Removal.status`` or call ``require_trust``. Raises MemoryError where the device has no room.
     """
-    prepare(device)
+    prepare(device, cutter.is_ring)
     job = _Job(table, cutter, device, tolerance, slots)
     parts = []
     step = tile_rays(slots)
@@ -162,9 +163,11 @@ class _Job:
 
     def __init__(self, table: SegmentTable, cutter: Profile, device: str, tolerance: float, slots: int):
         self.device, self.tolerance, self.slots = device, tolerance, slots
-        self.cutter = cutter_data(cutter, device)
         self.motion = motion_data(table, device)
-        self.bound = 2.0 * cutter.reach
+        if cutter.is_ring:
+            self.kernel, self.tool = ring_kernels.cut_rays_by_ring, [ring_data(cutter, device)]
+        else:
+            self.kernel, self.tool = kernels.cut_rays, [cutter_data(cutter, device), 2.0 * cutter.reach]
         lower, upper = segment_bounds(table, cutter)
         self.bvh = wp.Bvh(wp.array(lower, dtype=wp.vec3, device=device), wp.array(upper, dtype=wp.vec3, device=device))
 
@@ -181,9 +184,9 @@ class _Job:
 
         def launch(begin: int, size: int) -> int:
             wp.launch(
-                kernels.cut_rays,
+                self.kernel,
                 dim=size,
-                inputs=[self.cutter, self.bound, self.motion, self.bvh.id, self.tolerance, begin, *inputs],
+                inputs=[*self.tool, self.motion, self.bvh.id, self.tolerance, begin, *inputs],
                 outputs=[lists, *counters],
                 device=self.device,
             )

@@ -6,10 +6,14 @@ import numpy as np
 import warp as wp
 from numpy.typing import NDArray
 
+from gearsim.cutters.checks import CORNER, joints, turn
 from gearsim.cutters.profile import Profile
 from gearsim.kernels.pose import Motion
 from gearsim.kernels.profile import ARC, LINE, Cutter
+from gearsim.kernels.ring import Ring
 from gearsim.motion.segments import SegmentTable
+
+_SHRINK = 1e-11
 
 
 def cutter_data(cutter: Profile, device: str) -> Cutter:
@@ -32,6 +36,30 @@ def cutter_data(cutter: Profile, device: str) -> Cutter:
     data.part_first = wp.array(first, dtype=wp.int32, device=device)
     data.parts = len(cutter.parts)
     data.first, data.end, data.middle = 0, first[1], 0.5 * (rows[0][0] + rows[first[1] - 1][1])
+    return data
+
+
+def ring_data(cutter: Profile, device: str) -> Ring:
+    """A ring's section as supporting lines and arcs, its sharp edges as arcs of no radius.
+
+    It is made smaller by 1e-11 mm, so that a ray that lies in one of its planes misses cleanly.
+    """
+    lines, arcs = [], []
+    for e, after in joints(cutter.elements, ring=True):
+        s = np.array([0.0, e.length])
+        p, nr, nz = e.at(s), *e.at(s)[2:4]
+        if e.is_arc:
+            arcs.append([*e.centre, e.radius - _SHRINK, nr[0], nz[0], nr[1], nz[1]])
+        else:
+            lines.append([nr[0], nz[0], nr[0] * p.r[0] + nz[0] * p.z[0] - _SHRINK])
+        if turn(e, after) > CORNER:
+            other = after.at(np.array(0.0))
+            arcs.append([*after.start, -_SHRINK, nr[1], nz[1], float(other.nr), float(other.nz)])
+    data = Ring()
+    data.lines = wp.array(np.reshape(lines, (-1, 3)), dtype=wp.float64, device=device)
+    data.arcs = wp.array(np.reshape(arcs, (-1, 7)), dtype=wp.float64, device=device)
+    _, data.radius, data.bottom, data.top = cutter.box
+    data.reach = cutter.reach
     return data
 
 

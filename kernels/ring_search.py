@@ -1,0 +1,162 @@
+"""Where a segment of a ring's motion hits a stretch of a ray, or the certainty that it does not.
+
+F(x, tau), the ring's distance at pose x to the ray's point tau, is f(r, z) with f convex. Around a known
+point, with n = (nr, nz) the gradient of f there,
+    F(x + s, tau + u) >= F + nr (r' - r) + nz (z' - z) >= F + F_x s + F_tau u - B - C,
+    B = K s²/2 + w |s u|,   C = max(-nr, 0) (|a_x s| + |a_tau u| + B)² / (2 r_min).
+B is what the point's path as the tool sees it bends (K, w: bounds on its second derivatives); C is there on
+the hole's side only, where r grows by b²/2r over a step b around the axis (a_x, a_tau: rates that way). A
+box of poses and ray points whose bound is above minus the slack holds no hit deeper than the slack;
+otherwise it is halved, down a binary tree that is walked without a stack.
+"""
+
+import warp as wp
+
+from gearsim.kernels.pose import Motion
+from gearsim.kernels.ring import Gap, Ring, gap_of
+
+f64 = wp.float64
+
+SEARCH_EVALUATIONS = wp.constant(50000)
+MAX_DEPTH = wp.constant(60)
+ONE = wp.constant(wp.int64(1))
+NONE = wp.constant(0)
+HIT = wp.constant(1)
+LOST = wp.constant(2)
+
+
+@wp.struct
+class Find:
+    """Outcome of a search (NONE, HIT, LOST: evaluations used up) and the hit."""
+
+    outcome: wp.int32
+    hit: Gap
+
+
+@wp.struct
+class Box:
+    """Poses x +- hx and ray points tau +- ht, and the way down to them from the whole.
+
+    Bit k of ``in_tau`` says that step k halved tau, of ``up`` that it went to the upper half, of ``second``
+    that the other half is done with.
+    """
+
+    x: f64
+    hx: f64
+    tau: f64
+    ht: f64
+    depth: wp.int32
+    in_tau: wp.int64
+    up: wp.int64
+    second: wp.int64
+
+
+@wp.func
+def bit(bits: wp.int64, k: int) -> bool:
+    return ((bits >> wp.int64(k)) & ONE) == ONE
+
+
+@wp.func
+def with_bit(bits: wp.int64, k: int, value: bool) -> wp.int64:
+    mask = ONE << wp.int64(k)
+    if value:
+        return bits | mask
+    return bits & (~mask)
+
+
+@wp.func
+def least_in(ring: Ring, motion: Motion, row: int, g: Gap, hx: f64, ht: f64) -> f64:
+    """Lower bound of the distance in the box hx, ht around a known point."""
+    speed = motion.speed[row]
+    far = wp.max((g.size + speed * hx + ht) / ring.reach, f64(1.0))
+    move = speed * far * hx + ht
+    least = g.f - speed * hx - ht
+    bend = f64(0.5) * motion.acceleration[row] * far * far * hx * hx + motion.spin[row] * hx * ht
+    affine = g.f - wp.abs(g.push) * hx - wp.abs(g.steep) * ht - bend
+    if g.nr < f64(0.0):
+        if move >= g.r:
+            return least
+        across = wp.abs(g.across_x) * hx + wp.abs(g.across_tau) * ht + bend
+        affine += g.nr * across * across / (f64(2.0) * (g.r - move))
+    return wp.max(least, affine)
+
+
+@wp.func
+def descend(box: Box, in_tau: bool, up: bool, second: bool) -> Box:
+    """One half of a box."""
+    box.in_tau = with_bit(box.in_tau, box.depth, in_tau)
+    box.up = with_bit(box.up, box.depth, up)
+    box.second = with_bit(box.second, box.depth, second)
+    box.depth += 1
+    way = f64(-0.5)
+    if up:
+        way = f64(0.5)
+    if in_tau:
+        box.tau += way * box.ht
+        box.ht *= f64(0.5)
+    else:
+        box.x += way * box.hx
+        box.hx *= f64(0.5)
+    return box
+
+
+@wp.func
+def ascend(box: Box) -> Box:
+    """The box that this one is a half of."""
+    box.depth -= 1
+    way = f64(1.0)
+    if bit(box.up, box.depth):
+        way = f64(-1.0)
+    if bit(box.in_tau, box.depth):
+        box.tau += way * box.ht
+        box.ht *= f64(2.0)
+    else:
+        box.x += way * box.hx
+        box.hx *= f64(2.0)
+    return box
+
+
+@wp.func
+def next_box(box: Box) -> Box:
+    """The next box after one that is done with; depth -1 where there is none."""
+    while box.depth > 0 and bit(box.second, box.depth - 1):
+        box = ascend(box)
+    if box.depth == 0:
+        box.depth = -1
+        return box
+    in_tau = bit(box.in_tau, box.depth - 1)
+    up = bit(box.up, box.depth - 1)
+    box = ascend(box)
+    return descend(box, in_tau, not up, True)
+
+
+@wp.func
+def find_hit(
+    ring: Ring, motion: Motion, row: int, origin: wp.vec3d, direction: wp.vec3d, lo: f64, hi: f64, slack: f64
+) -> Find:  # fmt: skip
+    """Any hit on the stretch [lo, hi] of the ray, looked for downhill first."""
+    found = Find()
+    box = Box()
+    box.hx = f64(1.0)
+    box.tau = f64(0.5) * (lo + hi)
+    box.ht = f64(0.5) * (hi - lo)
+    evaluations = int(0)
+    while box.depth >= 0:
+        if evaluations == SEARCH_EVALUATIONS:
+            found.outcome = LOST
+            return found
+        g = gap_of(ring, motion, row, origin, direction, box.x, box.tau)
+        evaluations += 1
+        if g.f <= f64(0.0):
+            found.outcome = HIT
+            found.hit = g
+            return found
+        if box.depth == MAX_DEPTH or least_in(ring, motion, row, g, box.hx, box.ht) >= -slack:
+            box = next_box(box)
+        else:
+            by_x = wp.abs(g.push) * box.hx + f64(0.5) * motion.acceleration[row] * box.hx * box.hx
+            if wp.abs(g.steep) * box.ht > by_x:
+                box = descend(box, True, g.steep < f64(0.0), False)
+            else:
+                box = descend(box, False, g.push < f64(0.0), False)
+    return found
