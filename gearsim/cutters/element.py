@@ -75,6 +75,13 @@ class Element:
     def _tangent(self) -> tuple[float, float]:
         return (self.end[0] - self.start[0]) / self.length, (self.end[1] - self.start[1]) / self.length
 
+    def arc_length_at(self, r: NDArray, z: NDArray) -> NDArray:
+        """Arc lengths s [mm] of points on the element."""
+        if not self.is_arc:
+            return np.hypot(r - self.start[0], z - self.start[1])
+        turned = np.arctan2(z - self.centre[1], r - self.centre[0]) - self.angles[0]
+        return self.radius * ((turned + 1.0) % (2.0 * np.pi) - 1.0)  # a rounding error before the start stays small
+
     def radii_at(self, z: float) -> list[float]:
         """Radii [mm] of the element's points at height z [mm]; none for an annulus."""
         if self.is_flat or not self.box[2] <= z <= self.box[3]:

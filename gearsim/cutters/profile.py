@@ -139,6 +139,13 @@ class Profile:
             columns[:, mine] = np.stack(e.at(s[mine]))
         return MeridianPoints(*columns)
 
+    def nearest(self, r: NDArray, z: NDArray) -> tuple[NDArray, NDArray]:
+        """The element, and the arc length [mm] on it, of the profile's point nearest to (r, z), shape (n,)."""
+        foot = [e.nearest(r, z)[:2] for e in self.elements]
+        element = np.argmin([(r - pr) ** 2 + (z - pz) ** 2 for pr, pz in foot], axis=0)
+        lengths = [np.clip(e.arc_length_at(*f), 0.0, e.length) for e, f in zip(self.elements, foot, strict=True)]
+        return element, np.choose(element, lengths)
+
     def distance_gradient(self, r: NDArray, z: NDArray) -> tuple[NDArray, NDArray, NDArray]:
         """Signed distance [mm] of points (r >= 0, z), any shape, negative inside, and its gradient (nr, nz).
 

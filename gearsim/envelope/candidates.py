@@ -12,7 +12,16 @@ from numpy.typing import NDArray
 from gearsim.cutters.element import Element
 from gearsim.cutters.profile import Profile
 from gearsim.envelope.roots import roots, sign_changes
-from gearsim.envelope.seeds import Guess, angle_seeds, distinct, envelope_seeds, standing_tools, with_neighbours
+from gearsim.envelope.seeds import (
+    Guess,
+    angle_seeds,
+    distinct,
+    envelope_seeds,
+    joined,
+    pose_seeds,
+    standing_tools,
+    with_neighbours,
+)
 from gearsim.envelope.surface import arc_jet, disc_jet, edge_jet, envelope_points
 from gearsim.envelope.trim import distance_rate
 from gearsim.geometry.rays import RayBundle
@@ -87,6 +96,8 @@ def _envelope_crossings(
 
     seeds = distinct(envelope_seeds(rays, source, cutter, thorough), thorough)
     walked = _newton(rays, jet, seeds, _WALKS, source.pieces)[0]
+    if thorough:
+        walked = joined([walked, pose_seeds(rays, source, cutter)])
     guess = distinct(with_neighbours(walked, source.pieces, _BEYOND), thorough)
     solved, tau, settled = _newton(rays, jet, guess, _STEPS)
     early, late = ~settled | (solved.t < _JOINT_SLACK), ~settled | (solved.t > 1.0 - _JOINT_SLACK)

@@ -15,6 +15,7 @@ from gearsim.geometry.rays import RayBundle
 from gearsim.motion.sources import MotionSource
 
 _POSES = 192
+_PER_RAY = 4 * _POSES
 _PER_ELEMENT = 12
 _ANGLES = 24
 _PROBE_STEP = 0.4
@@ -68,7 +69,36 @@ def envelope_seeds(rays: RayBundle, source: MotionSource, cutter: Profile, thoro
             pose, column = pose[nearest], columns[column[nearest]]
             same = np.full(len(ray), i), grid.s[column], np.full(len(ray), branch)
             guesses.append(Guess(ray, grid.piece[pose], grid.t[pose], *same))
-    return _joined(guesses)
+    return joined(guesses)
+
+
+def pose_seeds(rays: RayBundle, source: MotionSource, cutter: Profile) -> Guess:
+    """For each ray the pose that comes closest to its origin, and the profile's point nearest to it there.
+
+    Where grazing curves run along the feed, or joints cut most of a surface, the nearest envelope point may
+    lie many pieces away from the pose that cuts.
+    """
+    each = max(2, -(-_PER_RAY // source.pieces))
+    piece = np.repeat(np.arange(source.pieces), each)
+    t = np.tile((np.arange(each) + 0.5) / each, source.pieces)
+    pose = source.pose(piece, t, 1)
+    (tip, tip_rate), (axis, axis_rate) = pose.tip.derivatives(), pose.axis.derivatives()
+    nearest = np.empty(len(rays), dtype=int)
+    step = max(1, _CHUNK // len(t))
+    for begin in range(0, len(rays), step):
+        q = rays.origin[begin : begin + step, None] - tip
+        z = np.einsum("ijk,jk->ij", q, axis)
+        r = np.sqrt(np.maximum(np.einsum("ijk,ijk->ij", q, q) - z * z, 0.0))
+        nearest[begin : begin + step] = cutter.signed_distance(r, z).argmin(axis=1)
+    q = rays.origin - tip[nearest]
+    z = np.einsum("ij,ij->i", q, axis[nearest])
+    w = q - z[:, None] * axis[nearest]
+    element, s = cutter.nearest(np.linalg.norm(w, axis=1), z)
+    at = cutter.at(element, s)
+    lever = (at.z * at.nr - at.r * at.nz)[:, None]
+    g = at.nr[:, None] * tip_rate[nearest] + lever * axis_rate[nearest]
+    branch = np.where(np.einsum("ij,ij->i", w, np.cross(axis[nearest], g)) < 0.0, -1.0, 1.0)
+    return Guess(np.arange(len(rays)), piece[nearest], t[nearest], element, s, branch)
 
 
 def angle_seeds(rays: RayBundle, source: MotionSource, elements: Sequence[int], jet: PointsAt, thorough: bool) -> Guess:
@@ -89,7 +119,7 @@ def angle_seeds(rays: RayBundle, source: MotionSource, elements: Sequence[int], 
         ray, near = _nearest(where, points[exists])
         near = exists[near]
         guesses.append(Guess(ray, piece[near], t[near], label[near], angle[near], np.zeros(len(ray))))
-    return _joined(guesses)
+    return joined(guesses)
 
 
 def with_neighbours(guess: Guess, pieces: int, beyond: float) -> Guess:
@@ -142,5 +172,6 @@ def _nearest(where: tuple[NDArray, NDArray, NDArray], points: NDArray) -> tuple[
     return ray[near], index.reshape(len(probe), -1)[near, column]
 
 
-def _joined(guesses: list[Guess]) -> Guess:
+def joined(guesses: list[Guess]) -> Guess:
+    """Guesses one after the other."""
     return Guess(*(np.concatenate(column) for column in zip(*guesses, strict=True)))

@@ -214,3 +214,13 @@ def test_what_no_cutter_can_be_is_refused_with_the_reason(message):
 def test_no_section_beyond_the_ends():
     with pytest.raises(InputError, match="no section"):
         CUTTERS["ball"].radius_at(99.0)
+
+
+def test_nearest_points_lie_on_the_profile_at_the_distance_told(rng):
+    cutter = conical(1.0, 1.5, radians(15.0), 25.0)
+    r, z = rng.uniform(0.0, 12.0, 500), rng.uniform(-4.0, 30.0, 500)
+    element, s = cutter.nearest(r, z)
+    at = cutter.at(element, s)
+    assert np.allclose(np.hypot(at.r - r, at.z - z), np.abs(cutter.signed_distance(r, z)), atol=1e-12)
+    lengths = np.array([e.length for e in cutter.elements])[element]
+    assert np.all((s >= 0.0) & (s <= lengths))
