@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 import numpy as np
+from numpy.typing import NDArray
 
 from gearsim.envelope import EnvelopePatch
 from gearsim.errors import InputError
 from gearsim.generating.job import Cut, GeneratingJob
 from gearsim.machines.chain import Machine
-from gearsim.motion.axes import AxisMotion, tip_control
-from gearsim.motion.guiding import guided, line
-from gearsim.motion.sources import CLMotion, MotionSource
+from gearsim.motion.nc_step import NCStep
+from gearsim.motion.sources import MotionSource
 from gearsim.programs.cldata import CLPath, CLProgram, format_cl
 from gearsim.scene.generated import AxisPointsTable, EnvelopeScene
 
@@ -26,36 +26,36 @@ TEXTS = {
 def plan_envelope(scene: EnvelopeScene) -> GeneratingJob:
     """The swept tool's flanks under the theoretical motion, and the motions measured against them."""
     cutter, machine = scene.tool(), scene.controller()
-    values = axis_values(scene.toolpath, machine)
-    tips, axes = machine.forward(values)
-    tops = tips + cutter.height * axes
+    tips, rotary = program_points(scene.toolpath, machine)
+    step = NCStep(cutter, machine, tips, rotary)
     sources: dict[str, MotionSource] = {
-        "theory": guided(line(tips[0], tips[1]), line(tops[0], tops[1])),
-        "cl": CLMotion(tips, axes),
-        "tcp": tip_control(machine, values),
-        "linear": AxisMotion(machine, values),
+        "theory": step.theoretical,
+        "cl": step.cl,
+        "tcp": step.nc_tip,
+        "linear": step.nc_axes,
     }
     elements = tuple(i for i, e in enumerate(cutter.elements) if not e.is_flat)
     patches = tuple(
         EnvelopePatch(f.name, sources["theory"], cutter, elements, BRANCH[f.side], scene.surface.window_mm)
         for f in scene.surface.flanks
     )
-    program = CLProgram((CLPath("nc", tips, axes),), cutter)
+    program = CLProgram((CLPath("nc", tips, step.axes),), cutter)
     programs = {"toolpath.cl": format_cl(program, scene.name, 600.0, 9)}
     cut = Cut(cutter, patches, sources)
     return GeneratingJob(scene, (cut,), TEXTS, "workpiece frame of the NC program", programs)
 
 
-def axis_values(table: AxisPointsTable, machine: Machine) -> np.ndarray:
-    """The program's points in the machine's axis order, shape (n, k) [mm, rad].
+def program_points(table: AxisPointsTable, machine: Machine) -> tuple[NDArray, NDArray]:
+    """Tips (n, 3) [mm] and rotary axes (n, r) [rad], in the machine's order, of the program's points.
 
-    Raises InputError where the table's axes are not the machine's.
+    Raises InputError where the table's axes are not X, Y, Z and the machine's rotary ones.
     """
-    if set(table.axes) != set(machine.axes):
+    turned = [j.name for j in machine.joints if j.is_rotary]
+    wanted = ["X", "Y", "Z", *turned]
+    if sorted(table.axes) != sorted(wanted):
         raise InputError(
-            f"toolpath.axes are {', '.join(table.axes)}; machine {machine.name} has {', '.join(machine.axes)}"
+            f"toolpath.axes are {', '.join(table.axes)}; a program for {machine.name} has {', '.join(wanted)}"
         )
-    columns = np.array(table.points).T
-    turned = {j.name for j in machine.joints if j.is_rotary}
-    given = {a: np.radians(c) if a in turned else c for a, c in zip(table.axes, columns, strict=True)}
-    return machine.values(**given)
+    columns = dict(zip(table.axes, np.array(table.points).T, strict=True))
+    tips = np.column_stack([columns[name] for name in "XYZ"])
+    return tips, np.radians(np.column_stack([columns[name] for name in turned]))

@@ -55,10 +55,10 @@ class EnvelopeTable(Table):
 
 
 class AxisPointsTable(Table):
-    """Table [toolpath] of an envelope scene: the NC program's points as axis values [mm, deg]."""
+    """Table [toolpath] of an envelope scene: one NC step, tip position [mm] and rotary axes [deg] at both ends."""
 
     axes: tuple[str, ...] = Field(min_length=3)
-    points: tuple[tuple[Number, ...], ...] = Field(min_length=2)
+    points: tuple[tuple[Number, ...], ...] = Field(min_length=2, max_length=2)
 
     @model_validator(mode="after")
     def _one_value_an_axis(self) -> AxisPointsTable:
