@@ -31,7 +31,7 @@ __all__ = [
 ]
 
 _FUNCTIONS: tuple[Callable[..., Profile], ...] = (
-    flat, ball, bull, tapered, tapered_ball, conical, apt, zhou_apt, barrel, oval, lollipop, t_slot, dovetail,
+    apt, zhou_apt, conical, flat, ball, bull, tapered, tapered_ball, barrel, oval, lollipop, t_slot, dovetail,
     grinding_cone, grinding_wheel, face_mill_head,
 )  # fmt: skip
 
