@@ -103,16 +103,25 @@ def _distance_error(form: ClosedForm, claimed: Claimed, least: Least, limits: Li
     """How far from the tool points are, at the claimed pose and at the closest one; and whether they are trimmed.
 
     Trimmed is a point that another pose cuts away, if the claimed pose really touches it: the distance there
-    is zero and does not change as the tool moves on. Else a wrong point could hide among the trimmed ones.
+    is zero and, unless the motion ends there, does not change as the tool moves on. Else a wrong point could
+    hide among the trimmed ones.
     """
     error, trimmed = np.abs(least.distance), np.zeros(len(least.t), dtype=bool)
     if claimed.t is not None:
         at = distance_at(form.motion, form.cutter, claimed.point, claimed.pieces, claimed.t)
         error = np.maximum(np.abs(at), np.abs(np.minimum(at, least.distance)))
         touches = np.abs(at) <= limits.distance_mm
-        touches[touches] &= _slope(form, _pick(claimed, touches)) <= _SLOPE
+        passing = touches & ~_at_an_end(form, claimed)
+        touches[passing] = _slope(form, _pick(claimed, passing)) <= _SLOPE
         trimmed = touches & (least.distance < -limits.distance_mm)
     return error, trimmed
+
+
+def _at_an_end(form: ClosedForm, claimed: Claimed) -> NDArray:
+    """Whether the claimed poses are the motion's first or last."""
+    assert claimed.t is not None
+    first, last = claimed.pieces == 0, claimed.pieces == form.motion.pieces - 1
+    return (first & (claimed.t == 0.0)) | (last & (claimed.t == 1.0))
 
 
 def _slope(form: ClosedForm, claimed: Claimed) -> NDArray:

@@ -131,6 +131,33 @@ def envelope_forms(
     ]
 
 
+def pose_form(
+    name: str, source: MotionSource, cutter: Profile, element: int, t: float, flank: str = ""
+) -> ClosedForm:  # fmt: skip
+    """One profile element of the tool standing at ``t`` of the motion, as fraction of its pieces: a plunge's end.
+
+    u runs once round the axis, v along the element; the curvature is that of a surface of revolution.
+    """
+    length, piece = cutter.elements[element].length, min(int(t * source.pieces), source.pieces - 1)
+    at = t * source.pieces - piece
+    pose = source.pose(np.array([piece]), np.array([at]), 0)
+    tip, axis = pose.tip.value[0], pose.axis.value[0]
+    x = np.cross(axis, np.eye(3)[np.argmin(np.abs(axis))])
+    x /= np.linalg.norm(x)
+
+    def points(u: NDArray, v: NDArray) -> Claimed:
+        m = cutter.elements[element].at(v * length)
+        angle = 2.0 * np.pi * u[:, None]
+        radial = np.cos(angle) * x + np.sin(angle) * np.cross(axis, x)
+        point = tip + m.z[:, None] * axis + m.r[:, None] * radial
+        normal = -(m.nr[:, None] * radial + m.nz[:, None] * axis)
+        with np.errstate(invalid="ignore", divide="ignore"):
+            curvature = principal(m.curvature, m.nr / m.r)
+        return Claimed(point, normal, None, curvature, np.full(len(u), at), np.full(len(u), piece))
+
+    return ClosedForm(name, source, cutter, points, flank)
+
+
 def element_name(element: Element) -> str:
     """What surface a profile element sweeps about the axis."""
     if element.is_arc:

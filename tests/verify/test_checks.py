@@ -10,7 +10,7 @@ from gearsim.cutters.catalogue import apt
 from gearsim.motion.sources import CLMotion
 from gearsim.surfaces.ruled_bevel import SIDES
 from gearsim.toolpaths.flank import FlankPath
-from gearsim.verify import Claimed, envelope_form, envelope_forms, verify_form
+from gearsim.verify import Claimed, envelope_form, envelope_forms, pose_form, verify_form
 from tests.verify.forms import BALL, changed, circular_form, corner_of_a_path, with_own_normals
 
 TAPER = radians(15.0)
@@ -212,3 +212,15 @@ def test_where_there_is_no_point_nothing_is_checked(cone):
     nowhere = changed(cone, exists=lambda u, v, c: np.zeros(len(u), dtype=bool))
     report = verify(nowhere)
     assert (report.verdict, report.missing, report.checks) == ("nothing", POINTS, {})
+
+
+def test_a_plunge_leaves_the_tool_as_it_stands_at_its_end(fitting_cutter):
+    tips = np.array([[1.0, 2.0, 30.0], [1.0, 2.0, 5.0]])
+    motion = CLMotion(tips, np.tile([0.0, 0.0, 1.0], (2, 1)))
+    forms = [pose_form(str(i), motion, fitting_cutter, i, 1.0) for i in range(len(fitting_cutter.elements))]
+    reports = [verify(form) for form in forms]
+    assert [r.verdict for r in reports] == ["pass", "pass", "pass", "nothing"]
+    assert [r.trimmed for r in reports] == [0, 0, 0, POINTS]  # poses before the end cut what stands above it
+    assert all(r.checks["curvature"].checked > 0.5 * POINTS for r in reports[1:3])
+    wrong = changed(forms[2], point=lambda u, v, c: c.point + 2e-6 * c.normal)
+    assert failed(verify(wrong)) == {"distance"}
