@@ -1,7 +1,9 @@
 """From a hit of a ring along the ray to where the segment's sweep ends.
 
 Two steps alternate until both settle: take the pose at which the point lies deepest, and follow the ray at
-that pose to the tool's surface. Every stretch walked lies in the tool at some pose, so no gap is spanned.
+that pose to the tool's surface. Where two faces of the tool take turns in stopping this, each gaining little,
+the pose is taken at which both, seen as planes, let pass the farthest point. Every stretch walked lies in the
+tool at some pose, so no gap is spanned.
 """
 
 import warp as wp
@@ -25,39 +27,61 @@ class End:
     converged: wp.int32
 
 
+@wp.struct
+class Low:
+    """The deepest pose found, and the poses a and b on both sides of it, last looked at; a: downhill to it."""
+
+    best: Gap
+    a: Gap
+    b: Gap
+
+
 @wp.func
-def deepest(ring: Ring, motion: Motion, row: int, origin: wp.vec3d, direction: wp.vec3d, here: Gap) -> Gap:
+def deepest(ring: Ring, motion: Motion, row: int, origin: wp.vec3d, direction: wp.vec3d, here: Gap) -> Low:
     """The deepest pose downhill from one, for the same point of the ray."""
+    low = Low()
+    low.best = here
+    low.a = here
+    low.b = here
     way = f64(1.0)
     if here.push > f64(0.0):
         way = f64(-1.0)
     if here.x * way >= f64(1.0):
-        return here
-    a = here
-    b = here
-    best = here
+        return low
     x = way
     step = int(0)
     while step < DEEPEST_STEPS:
         g = gap_of(ring, motion, row, origin, direction, x, here.tau)
         step += 1
-        if g.f < best.f:
-            best = g
-        if g.push * way <= f64(0.0) and g.f <= a.f:
-            a = g
+        if g.f < low.best.f:
+            low.best = g
+        if g.push * way <= f64(0.0) and g.f <= low.a.f:
+            low.a = g
             if g.x == way:
-                return best
+                return low
         else:
-            b = g
-        width = wp.abs(b.x - a.x)
-        fall = -a.push * way
-        rise = b.push * way
+            low.b = g
+        width = wp.abs(low.b.x - low.a.x)
+        fall = -low.a.push * way
+        rise = low.b.push * way
         if fall * width < SETTLED:
-            return best
-        x = f64(0.5) * (a.x + b.x)
+            return low
+        x = f64(0.5) * (low.a.x + low.b.x)
         if rise > f64(0.0) and step % 3 != 0:
-            x = a.x + (b.x - a.x) * fall / (fall + rise)
-    return best
+            x = low.a.x + (low.b.x - low.a.x) * fall / (fall + rise)
+    return low
+
+
+@wp.func
+def farthest_pose(low: Low, way: f64) -> f64:
+    """The pose at which the planes that touch F on both sides of a low let pass the farthest point."""
+    m_a = low.a.push * low.a.x - low.a.f
+    m_b = low.b.push * low.b.x - low.b.f
+    det = low.a.push * low.b.steep - low.b.push * low.a.steep
+    u = low.a.push * m_b - low.b.push * m_a
+    if wp.abs(det) < f64(1.0e-14) or u * det * way <= f64(0.0):
+        return low.best.x
+    return wp.clamp((m_a * low.b.steep - m_b * low.a.steep) / det, f64(-1.0), f64(1.0))
 
 
 @wp.func
@@ -110,10 +134,15 @@ def chase(
     here = hit
     round = int(0)
     while round < ROUNDS and end.converged == 0:
-        here = deepest(ring, motion, row, origin, direction, here)
+        low = deepest(ring, motion, row, origin, direction, here)
+        here = low.best
         if round > 0 and here.f > f64(-4.0) * SETTLED:
             end.converged = 1
         else:
+            if round % 2 == 1:
+                far = gap_of(ring, motion, row, origin, direction, farthest_pose(low, way), here.tau)
+                if far.f <= f64(0.0):
+                    here = far
             here = follow(ring, motion, row, origin, direction, here, way, slack)
         round += 1
     end.tau = here.tau

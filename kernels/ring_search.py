@@ -65,20 +65,25 @@ def with_bit(bits: wp.int64, k: int, value: bool) -> wp.int64:
 
 
 @wp.func
-def least_in(ring: Ring, motion: Motion, row: int, g: Gap, hx: f64, ht: f64) -> f64:
-    """Lower bound of the distance in the box hx, ht around a known point."""
-    speed = motion.speed[row]
-    far = wp.max((g.size + speed * hx + ht) / ring.reach, f64(1.0))
-    move = speed * far * hx + ht
-    least = g.f - speed * hx - ht
-    bend = f64(0.5) * motion.acceleration[row] * far * far * hx * hx + motion.spin[row] * hx * ht
-    affine = g.f - wp.abs(g.push) * hx - wp.abs(g.steep) * ht - bend
+def least_in(ring: Ring, motion: Motion, row: int, g: Gap, hx: f64, ht: f64) -> wp.vec3d:
+    """Lower bound of the distance in the box hx, ht around a known point, and what hx and ht take off it."""
+    far = wp.max((g.size + motion.speed[row] * hx + ht) / ring.reach, f64(1.0))
+    bend = f64(0.5) * motion.acceleration[row] * far * far * hx * hx
+    twist = motion.spin[row] * hx * ht
+    by_x = wp.abs(g.push) * hx + bend
+    by_tau = wp.abs(g.steep) * ht
+    affine = g.f - by_x - by_tau - twist
     if g.nr < f64(0.0):
-        if move >= g.r:
-            return least
-        across = wp.abs(g.across_x) * hx + wp.abs(g.across_tau) * ht + bend
-        affine += g.nr * across * across / (f64(2.0) * (g.r - move))
-    return wp.max(least, affine)
+        r_min = g.r - motion.speed[row] * far * hx - ht
+        if r_min <= f64(0.0):
+            return wp.vec3d(g.f - motion.speed[row] * hx - ht, motion.speed[row] * hx, ht)
+        across_x = wp.abs(g.across_x) * hx + bend + twist
+        across_tau = wp.abs(g.across_tau) * ht
+        bow = f64(-0.5) * g.nr / r_min
+        affine -= bow * (across_x + across_tau) * (across_x + across_tau)
+        by_x += bow * across_x * across_x
+        by_tau += bow * across_tau * across_tau
+    return wp.vec3d(wp.max(affine, g.f - motion.speed[row] * hx - ht), by_x, by_tau)
 
 
 @wp.func
@@ -151,12 +156,11 @@ def find_hit(
             found.outcome = HIT
             found.hit = g
             return found
-        if box.depth == MAX_DEPTH or least_in(ring, motion, row, g, box.hx, box.ht) >= -slack:
+        least = least_in(ring, motion, row, g, box.hx, box.ht)
+        if box.depth == MAX_DEPTH or least[0] >= -slack:
             box = next_box(box)
+        elif least[2] > least[1]:
+            box = descend(box, True, g.steep < f64(0.0), False)
         else:
-            by_x = wp.abs(g.push) * box.hx + f64(0.5) * motion.acceleration[row] * box.hx * box.hx
-            if wp.abs(g.steep) * box.ht > by_x:
-                box = descend(box, True, g.steep < f64(0.0), False)
-            else:
-                box = descend(box, False, g.push < f64(0.0), False)
+            box = descend(box, False, g.push < f64(0.0), False)
     return found
