@@ -74,14 +74,22 @@ def deepest(ring: Ring, motion: Motion, row: int, origin: wp.vec3d, direction: w
 
 @wp.func
 def farthest_pose(low: Low, way: f64) -> f64:
-    """The pose at which the planes that touch F on both sides of a low let pass the farthest point."""
+    """The pose at which the planes that touch F on both sides of a low let pass the farthest point.
+
+    Not quite up to where one of them keeps out the point itself.
+    """
     m_a = low.a.push * low.a.x - low.a.f
     m_b = low.b.push * low.b.x - low.b.f
     det = low.a.push * low.b.steep - low.b.push * low.a.steep
     u = low.a.push * m_b - low.b.push * m_a
-    if wp.abs(det) < f64(1.0e-14) or u * det * way <= f64(0.0):
+    if low.a.push * low.b.push >= f64(0.0) or u * det * way <= f64(0.0):
         return low.best.x
-    return wp.clamp((m_a * low.b.steep - m_b * low.a.steep) / det, f64(-1.0), f64(1.0))
+    x_a = m_a / low.a.push
+    x_b = m_b / low.b.push
+    margin = f64(0.01) * wp.abs(x_b - x_a)
+    x = (m_a * low.b.steep - m_b * low.a.steep) / det
+    x = wp.clamp(x, wp.min(x_a, x_b) + margin, wp.max(x_a, x_b) - margin)
+    return wp.clamp(x, f64(-1.0), f64(1.0))
 
 
 @wp.func
