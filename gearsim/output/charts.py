@@ -19,6 +19,9 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 
+_NOISE_UM = 1e-3
+
+
 def draw_deviation(result: FlankMillingResult, file: Path) -> None:
     """deviation.png, one column a flank: maps with contours, whiskers on the inspector's grid, mean profile."""
     plt = pyplot()
@@ -67,7 +70,7 @@ def heat_map(figure: Any, axis: Axes, grid: SampleGrid, deviation: Deviation, wh
     um = 1e3 * deviation.value
     blank = grid.patch.blank
     length = grid.length * (blank.face_width if blank else 1.0)
-    limit = _largest(um)
+    limit = max(_largest(um), _NOISE_UM)
     image = axis.pcolormesh(length, grid.height, um, cmap="RdBu_r", vmin=-limit, vmax=limit, shading="gouraud")
     smooth = gaussian_filter1d(um, um.shape[1] / 40.0, axis=1, mode="nearest")
     known = smooth[np.isfinite(smooth)]

@@ -31,7 +31,8 @@ class CatalogueTable(Table):
         return make(**{name: radians(v) if _is_angle(name) else v for name, v in given.items()})
 
 
-_MAKERS: dict[str, Callable[..., Any]] = {**CUTTERS, **MACHINES}
+_TOOLS = {name.replace("_", "-"): make for name, make in CUTTERS.items()}
+_MAKERS: dict[str, Callable[..., Any]] = {**_TOOLS, **MACHINES}
 
 
 def _is_angle(name: str) -> bool:
@@ -61,5 +62,5 @@ def _any_of(catalogue: Mapping[str, Callable[..., Any]]) -> Any:
     return Annotated[Union[tables], Field(discriminator="kind")]  # noqa: UP007
 
 
-AnyCutter: Any = _any_of(CUTTERS)
+AnyCutter: Any = _any_of(_TOOLS)
 AnyMachine: Any = _any_of(MACHINES)
