@@ -119,16 +119,31 @@ def envelope_forms(
     source: MotionSource, cutter: Profile, flank: str = "", elements: tuple[int, ...] | None = None
 ) -> list[ClosedForm]:
     """Both branches of the envelopes of profile elements; by default all but the tool's top."""
+    return [
+        envelope_form(f"{name}, branch {branch:+.0f}", source, cutter, element, branch, flank=flank)
+        for element, name in _named(cutter, flank, elements)
+        for branch in BRANCHES
+    ]
+
+
+def pose_forms(
+    source: MotionSource, cutter: Profile, flank: str = "", elements: tuple[int, ...] | None = None
+) -> list[ClosedForm]:
+    """The tool as it stands at both ends of a motion, one profile element each; by default all but its top."""
+    return [
+        pose_form(f"{name}, {end} pose", source, cutter, element, t, flank)
+        for element, name in _named(cutter, flank, elements)
+        for end, t in (("first", 0.0), ("last", 1.0))
+    ]
+
+
+def _named(cutter: Profile, flank: str, elements: tuple[int, ...] | None) -> list[tuple[int, str]]:
+    """Profile elements with names that tell them apart."""
     if elements is None:
         elements = tuple(range(len(cutter.elements) - (0 if cutter.is_ring else 1)))
     names = [element_name(cutter.elements[i]) for i in elements]
-    names = [f"{n} {i}" if names.count(n) > 1 else n for i, n in zip(elements, names, strict=True)]
     prefix = f"{flank}: " if flank else ""
-    return [
-        envelope_form(f"{prefix}{name}, branch {branch:+.0f}", source, cutter, element, branch, flank=flank)
-        for element, name in zip(elements, names, strict=True)
-        for branch in BRANCHES
-    ]
+    return [(i, f"{prefix}{n} {i}" if names.count(n) > 1 else prefix + n) for i, n in zip(elements, names, strict=True)]
 
 
 def pose_form(

@@ -19,7 +19,7 @@ _FIRST = np.array([4.0 / 5.0, -1.0 / 5.0, 4.0 / 105.0, -1.0 / 280.0])
 _SECOND = np.array([8.0 / 5.0, -1.0 / 5.0, 8.0 / 315.0, -1.0 / 560.0])
 _LARGEST_STEP = 0.5
 _RUNGS = 8
-_FLAT = 1e-5
+_FLAT = 1e-3
 _WAYS = ((1.0, 0.0), (0.0, 1.0), (1.0, 1.0), (1.0, -1.0))
 
 
@@ -60,7 +60,7 @@ def differentiate(
 def curvature_gap(a: Curvature, b: Curvature) -> NDArray:
     """Largest difference of two curvatures, relative to the larger principal one of ``b`` (squared for Gaussian).
 
-    A surface flatter than a radius of 100 m is measured against that radius.
+    A surface flatter than a radius of 1 m is measured against that radius: rounding hides the rest.
     """
     size = np.maximum(np.maximum(np.abs(b.k1), np.abs(b.k2)), _FLAT)
     with np.errstate(invalid="ignore", divide="ignore"):

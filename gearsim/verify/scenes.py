@@ -7,12 +7,13 @@ from pathlib import Path
 from typing import Any
 
 from gearsim.errors import read_input
-from gearsim.motion.sources import CLMotion
+from gearsim.motion.sources import CLMotion, CurveMotion
 from gearsim.programs.cldata import RAPID, parse_cl
-from gearsim.scene import FlankMillingScene, Scene
+from gearsim.scene import EnvelopeScene, FaceMillingScene, FlankMillingScene, HypoidScene, Scene
+from gearsim.surfaces.face_milled import FaceMilledTooth
 from gearsim.surfaces.ruled_bevel import SIDES
 from gearsim.toolpaths.flank import FlankPath
-from gearsim.verify.closed_form import ClosedForm, envelope_forms
+from gearsim.verify.closed_form import ClosedForm, envelope_forms, pose_forms
 
 
 def closed_forms(scene: Scene, folder: Path) -> list[ClosedForm]:
@@ -31,4 +32,35 @@ def _flank_milling(scene: FlankMillingScene, folder: Path) -> list[ClosedForm]:
     return [form for side, motion in motions.items() for form in envelope_forms(motion, cutter, side)]
 
 
-FORMS: dict[type[Scene], Callable[[Any, Path], list[ClosedForm]]] = {FlankMillingScene: _flank_milling}
+def _envelope(scene: EnvelopeScene, _: Path) -> list[ClosedForm]:
+    """The cutter's envelopes under the program as theory, CL data and both ways of interpolating see it."""
+    from gearsim.generating.envelope import plan_envelope
+
+    (cut,) = plan_envelope(scene).cuts
+    return [form for name, source in cut.sources.items() for form in envelope_forms(source, cut.cutter, name)]
+
+
+def _face_milling(scene: FaceMillingScene, _: Path) -> list[ClosedForm]:
+    return _head(scene.tooth(), "")
+
+
+def _hypoid(scene: HypoidScene, _: Path) -> list[ClosedForm]:
+    pinion = scene.pinion()
+    if pinion.concave == pinion.convex:
+        return _head(pinion.concave, "")
+    return _head(pinion.concave, "concave") + _head(pinion.convex, "convex")
+
+
+def _head(tooth: FaceMilledTooth, flank: str) -> list[ClosedForm]:
+    """A head's envelopes under the generating roll, or the head as it stands at either end of its plunge."""
+    motion = CurveMotion(tooth.poses, *tooth.motion_range)
+    make = envelope_forms if tooth.generated else pose_forms
+    return make(motion, tooth.head, flank)
+
+
+FORMS: dict[type[Scene], Callable[[Any, Path], list[ClosedForm]]] = {
+    FlankMillingScene: _flank_milling,
+    EnvelopeScene: _envelope,
+    FaceMillingScene: _face_milling,
+    HypoidScene: _hypoid,
+}
