@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 DATA = "drawing.npz"
 _SIZE = (1400, 1000)
+_NOISE_UM = 1e-3
 STEEL = "#b8bec6"
 COLOURS = {"convex": "#d1495b", "concave": "#2e6f95"}
 
@@ -101,15 +102,12 @@ def plotter_with(views: int = 1) -> Any:
     return plotter
 
 
-def _look(plotter: Any, centre: NDArray, data: dict[str, NDArray], distance: float) -> None:
+def look_into_slot(plotter: Any, centre: NDArray, data: dict[str, NDArray], distance: float) -> None:
     """Look into the slot from above, a little from the heel and from the side."""
-    flank = data["patch:bottom:point"]
-    rows, columns = flank.shape[:2]
-    along = flank[rows // 2, -1] - flank[rows // 2, 0]
+    up = data["view:up"]
+    along = data["view:along"] - (data["view:along"] @ up) * up
     along /= np.linalg.norm(along)
-    up = data["patch:bottom:normal"][rows // 2, columns // 2]
-    side = np.cross(up, along)
-    eye = centre + distance * (0.85 * up + 0.75 * along + 0.25 * side)
+    eye = centre + distance * (0.85 * up + 0.75 * along + 0.25 * np.cross(up, along))
     plotter.camera_position = [tuple(eye), tuple(centre), tuple(up)]
 
 
@@ -118,7 +116,8 @@ def draw_slot(data: dict[str, NDArray], file: Path) -> None:
     mesh = quads(data["relief:point"], {"deviation_um": data["relief:deviation_um"]})
     colour = np.asarray(mesh["deviation_um"])
     cut = np.abs(colour[np.isfinite(colour)])
-    whole, tolerance = float(np.quantile(cut, 0.999)) if cut.size else 1.0, float(data["tolerance_um"])
+    whole = max(float(np.quantile(cut, 0.999)), _NOISE_UM) if cut.size else 1.0
+    tolerance = float(data["tolerance_um"])
     plotter = plotter_with(views=2)
     for view, (limit, text) in enumerate(((whole, "whole range"), (tolerance, "range of the flank tolerance"))):
         plotter.subplot(0, view)
@@ -131,7 +130,7 @@ def draw_slot(data: dict[str, NDArray], file: Path) -> None:
             },
         )  # fmt: skip
         plotter.add_text(f"deviation, {text}\n+ material left, - overcut", color="black", font_size=11)
-        _look(plotter, np.asarray(mesh.center), data, 78.0)
+        look_into_slot(plotter, np.asarray(mesh.center), data, 78.0)
     plotter.screenshot(str(file))
 
 
@@ -181,7 +180,7 @@ def _draw_toolpaths(data: dict[str, NDArray], surfaces: dict[str, Any], file: Pa
         for a, b in zip(tip, tip + length * axis, strict=True):
             plotter.add_mesh(pv.Line(a, b), color=COLOURS[side], line_width=3)
         plotter.add_text(f"pass for the {side} flank", color="black", font_size=12)
-        _look(plotter, data["patch:bottom:point"].reshape(-1, 3).mean(axis=0), data, 84.0)
+        look_into_slot(plotter, data["view:centre"], data, 84.0)
     plotter.screenshot(str(file))
 
 
@@ -198,7 +197,7 @@ def _draw_envelopes(data: dict[str, NDArray], surfaces: dict[str, Any], file: Pa
             plotter.add_mesh(mesh, color=COLOURS[side], opacity=0.6, smooth_shading=True)
             plotter.add_mesh(mesh.extract_feature_edges(60.0), color="black", line_width=2)
         plotter.add_text(f"envelope of the {side} flank's pass", color="black", font_size=12)
-        _look(plotter, data["patch:bottom:point"].reshape(-1, 3).mean(axis=0), data, 88.0)
+        look_into_slot(plotter, data["view:centre"], data, 88.0)
     plotter.screenshot(str(file))
 
 

@@ -14,6 +14,7 @@ from gearsim.metrology.deviation import Deviation
 from gearsim.metrology.dexel_check import DexelResult
 from gearsim.metrology.samples import SampleGrid, sample_grid
 from gearsim.result import FlankMillingResult
+from gearsim.surfaces.blank import BevelBlank
 from gearsim.surfaces.patch import Patch
 
 _POSES = 25
@@ -29,6 +30,7 @@ def write_drawing(result: FlankMillingResult, file: Path) -> None:
     for grid, deviation in grids:
         arrays |= patch_arrays(grid, deviation)
     arrays |= relief_arrays(result.dexels, result.tooth.patches)
+    arrays |= view_arrays(result.tooth.blank, result.patches["bottom"].grid)
     arrays["gear:polygon"] = result.tooth.blank.stock.polygon
     arrays["pinion:polygon"] = result.tooth.blank.mate(result.scene["surface"]["mate_teeth"]).stock.polygon
     arrays["tolerance_um"] = np.array(result.scene["metrology"]["tolerance_um"])
@@ -45,6 +47,16 @@ def patch_arrays(grid: SampleGrid, deviation: Deviation) -> dict[str, NDArray]:
         f"patch:{name}:deviation_um": 1e3 * deviation.value,
         f"patch:{name}:crossing": deviation.crossing,
         f"patch:{name}:segment": deviation.segment,
+    }
+
+
+def view_arrays(blank: BevelBlank, grid: SampleGrid) -> dict[str, NDArray]:
+    """Where to look: a point in the slot's middle, the way along the slot to the heel, and up out of it."""
+    centre = grid.point[grid.shape[0] // 2, grid.shape[1] // 2]
+    return {
+        "view:centre": centre,
+        "view:along": grid.point[0, -1] - grid.point[0, 0],
+        "view:up": blank.cone_directions(centre)[1],
     }
 
 

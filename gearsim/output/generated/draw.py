@@ -8,9 +8,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from gearsim.output.draw import COLOURS, STEEL, draw_slot, plotter_with
+from gearsim.output.draw import COLOURS, STEEL, draw_slot, look_into_slot, plotter_with
 
-PICTURES = ("envelope.png",)
 _TINTS = ("#d1495b", "#2e6f95", "#8cb369", "#f4a259", "#7b6d8d")
 
 
@@ -34,7 +33,11 @@ def _draw_envelope(data: dict[str, NDArray], surfaces: dict[str, Any], file: Pat
         if view:
             _add_tools(plotter, data)
         plotter.add_text(text, color="black", font_size=11)
-        _look_at(plotter, surfaces, data)
+        if "view:up" in data:
+            size = float(np.linalg.norm(data["view:along"]))
+            look_into_slot(plotter, data["view:centre"], data, size * (4.6 if view else 2.2))
+        else:
+            _look_from_ahead(plotter, surfaces, data)
     plotter.screenshot(str(file))
 
 
@@ -64,7 +67,7 @@ def _add_tools(plotter: Any, data: dict[str, NDArray]) -> None:
         plotter.add_mesh(skin, color=STEEL, opacity=0.35, smooth_shading=False)
 
 
-def _look_at(plotter: Any, surfaces: dict[str, Any], data: dict[str, NDArray]) -> None:
+def _look_from_ahead(plotter: Any, surfaces: dict[str, Any], data: dict[str, NDArray]) -> None:
     """From the shank's side, a little from ahead and from the left of the feed."""
     import pyvista as pv
 

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from gearsim.cutters.profile import Profile
 from gearsim.metrology.surface import SurfaceResult
-from gearsim.output.drawing import patch_arrays, relief_arrays
+from gearsim.output.drawing import patch_arrays, relief_arrays, view_arrays
 from gearsim.output.generated.maps import shown_motion
 from gearsim.result import GeneratingResult
 
@@ -26,6 +26,9 @@ def write_drawing(result: GeneratingResult, file: Path) -> None:
         arrays[f"grazing:{name}"] = _grazing_curves(surface)
     if result.dexels is not None:
         arrays |= relief_arrays(result.dexels, [s.grid.patch for s in result.surfaces.values()])
+    if result.blank is not None:
+        middle = list(result.surfaces.values())[len(result.surfaces) // 2]
+        arrays |= view_arrays(result.blank, middle.grid)
     cut = result.cuts[0]
     source = next(iter(cut.sources.values()))
     piece = np.array([0, (source.pieces - 1) // 2, source.pieces - 1])
@@ -36,14 +39,21 @@ def write_drawing(result: GeneratingResult, file: Path) -> None:
 
 
 def _grazing_curves(surface: SurfaceResult) -> NDArray:
-    """Curves of constant time on a surface, shape (curves, points, 3), nan where it does not exist."""
+    """Curves of constant time on a surface and its blank, shape (curves, points, 3), nan beyond them."""
     grid = surface.grid
     columns = np.unique(np.linspace(0, grid.shape[1] - 1, _CURVES).astype(int))
     rows = np.linspace(0.0, 1.0, _POINTS)
     u = np.repeat(np.nanmedian(grid.phi[:, columns], axis=0), _POINTS)
     low, high = np.nanmin(grid.v[:, columns], axis=0), np.nanmax(grid.v[:, columns], axis=0)
     v = (low[:, None] + (high - low)[:, None] * rows).ravel()
-    return grid.patch.jet(u, v).r.reshape(len(columns), _POINTS, 3)
+    points = grid.patch.jet(u, v).r
+    blank = grid.patch.blank
+    if blank is not None:
+        cone, height = blank.cone_height(points)
+        with np.errstate(invalid="ignore"):
+            outside = (cone < blank.toe) | (cone > blank.cone_distance) | (height > blank.addendum_at(cone))
+        points[outside] = np.nan
+    return points.reshape(len(columns), _POINTS, 3)
 
 
 def _outline(cutter: Profile) -> NDArray:
