@@ -21,6 +21,12 @@ def barrel(radius=50.0, centre=-45.0, half_height=10.0):
     return Profile("barrel", (bottom, arc, top))
 
 
+def spindle(radius=5.0, centre=-3.0):
+    """A body pointed at both ends: one arc from pole to pole, centred beyond the axis."""
+    half = sqrt(radius**2 - centre**2)
+    return Profile("spindle", (Element((0.0, 0.0), (0.0, 2 * half), (centre, half), radius),))
+
+
 def lollipop(ball=4.0, neck=2.0, height=20.0):
     """A ball on a thinner neck."""
     joint = ball + sqrt(ball**2 - neck**2)
@@ -76,6 +82,7 @@ def every_shape():
     """One tool of each kind, by name."""
     return {
         "barrel": barrel(),
+        "spindle": spindle(),
         "lollipop": lollipop(),
         "T-slot": t_slot(),
         "dovetail": dovetail(),

@@ -83,6 +83,7 @@ def test_edges_are_where_the_normal_jumps():
 def test_edges_of_rings_and_undercut_tools_leave_reentrant_corners_out():
     assert {k: SHAPES[k].edges for k in SHAPES} == {
         "barrel": (0, 1),
+        "spindle": (),
         "lollipop": (1,),
         "T-slot": (0, 1, 3),
         "dovetail": (0, 1, 3),
@@ -167,7 +168,7 @@ def test_parts_are_convex_overlap_and_unite_to_the_tool(name, rng):
 
 
 def test_convex_tools_and_rings_are_their_own_part():
-    for name in ("barrel", "ring", "sharp ring"):
+    for name in ("barrel", "spindle", "ring", "sharp ring"):
         assert SHAPES[name].parts == (SHAPES[name],)
     assert SHAPES["barrel"].is_convex
     assert [SHAPES[k].is_ring for k in ("barrel", "ring", "sharp ring")] == [False, True, True]

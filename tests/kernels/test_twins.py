@@ -15,6 +15,7 @@ from gearsim.kernels.profile import Cutter, Hit, ToolRay, cutter_interval
 from gearsim.motion.segments import DEGREE, compile_motion
 from gearsim.simulation.tools import cutter_data, motion_data
 from gearsim.toolpaths.flank import FlankPath
+from tests.cutters.shapes import barrel, spindle
 from tests.motion.test_sources import random_cl
 
 CUTTERS = [
@@ -22,7 +23,10 @@ CUTTERS = [
     apt(6.0, 3.0, 0.0, 3.0, 0.0, 0.0, 20.0),
     apt(8.0, 0.0, 0.0, 0.0, 0.0, 0.0, 20.0),
     apt(10.0, 1.0, 4.0, 1.0, 0.0, 0.0, 15.0),
+    barrel(),
+    spindle(),
 ]
+NAMES = ["conical", "ball", "flat", "bull", "barrel", "spindle"]
 
 
 @wp.kernel(enable_backward=False)
@@ -97,7 +101,7 @@ def chord_twin(cutter, origin, direction):
     return distance_along(cutter, origin, direction, middle), ends[0], ends[1]
 
 
-@pytest.mark.parametrize("cutter", CUTTERS, ids=["conical", "ball", "flat", "bull"])
+@pytest.mark.parametrize("cutter", CUTTERS, ids=NAMES)
 def test_pose_intersection(cutter, device, rng):
     n = 4000
     origin = rng.uniform(-12, 12, (n, 3)) + np.array([0, 0, 10])
@@ -120,7 +124,7 @@ def test_pose_intersection(cutter, device, rng):
     assert np.all((found.numpy() == 1)[deepest < 0.7])
 
 
-@pytest.mark.parametrize("cutter", CUTTERS, ids=["conical", "ball", "flat", "bull"])
+@pytest.mark.parametrize("cutter", CUTTERS, ids=NAMES)
 def test_outside_distance(cutter, device, rng):
     r, z = rng.uniform(0.0, 14.0, 5000), rng.uniform(-4.0, 32.0, 5000)
     out = wp.zeros(5000, dtype=wp.vec3d, device=device)
