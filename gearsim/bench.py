@@ -12,8 +12,8 @@ from typing import Any
 import gearsim
 from gearsim.bench_envelope import envelope
 from gearsim.errors import InputError
+from gearsim.flank_milling import Job, plan
 from gearsim.geometry.rays import RayBundle
-from gearsim.job import Job, plan
 from gearsim.metrology.dexel_check import slot_box
 from gearsim.metrology.samples import sample_grid
 from gearsim.motion.segments import SegmentTable

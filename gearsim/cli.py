@@ -133,10 +133,10 @@ def _run(options: argparse.Namespace) -> int:
 
 
 def _dry_run(scene: Any, folder: Path) -> int:
-    from gearsim.job import estimate, plan
     from gearsim.output.screen import print_estimate
+    from gearsim.runner import estimate
 
-    print_estimate(scene.name, estimate(plan(scene, folder)))
+    print_estimate(scene.name, estimate(scene, folder))
     return 0
 
 

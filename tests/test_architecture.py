@@ -11,7 +11,7 @@ ROOT = Path(__file__).parent.parent
 # From the ground up: a room may import rooms before it, never behind it.
 ORDER = [
     "errors", "geometry", "cutters", "machines", "surfaces", "programs", "motion", "toolpaths", "kernels", "envelope",
-    "simulation", "metrology", "result", "output", "scene", "job", "generating", "runner", "verify",
+    "simulation", "metrology", "result", "output", "scene", "flank_milling", "generating", "runner", "verify",
     "bench_envelope", "bench", "cli",
 ]  # fmt: skip
 LAUNCHERS = {"kernels", "envelope", "simulation"}

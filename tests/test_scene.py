@@ -102,7 +102,7 @@ def test_bad_overrides_say_so(override, message):
 def test_unknown_scenes_and_broken_files(tmp_path):
     with pytest.raises(InputError, match="did you mean 'spiral-bevel-flank'"):
         load_scene("spiral-bevel-flnk")
-    with pytest.raises(InputError, match="Built-in scenes: spiral-bevel-flank"):
+    with pytest.raises(InputError, match="Built-in scenes: apt-envelope"):
         load_scene("nosuch")
     with pytest.raises(InputError, match="cannot read scene"):
         load_scene(tmp_path / "missing.toml")

@@ -60,8 +60,12 @@ class GeneratingJob:
         m = self.scene.metrology
         return sample_grid(patch, m.rows, m.columns, m.margin, m.window)
 
-    def samples(self) -> int:
-        """Samples of all surfaces under all motions."""
+    def segment_count(self) -> int:
+        """Rows of all motions' tables."""
+        return sum(len(self.compiled(cut, source).table) for cut in self.cuts for source in cut.sources.values())
+
+    def envelope_samples(self) -> int:
+        """Samples the envelope road will solve for: those of all surfaces under all motions."""
         m = self.scene.metrology
         return sum(len(cut.patches) * len(cut.sources) for cut in self.cuts) * m.rows * m.columns
 
@@ -70,7 +74,7 @@ class GeneratingJob:
         m = self.scene.metrology
         motions = len(m.convergence) + 1 if m.convergence else 0
         converging = sum(len(cut.patches) * len(cut.sampled) for cut in self.cuts) * motions * m.rows * m.columns
-        return self.samples() + converging + self._dexel_rays()
+        return self.envelope_samples() + converging + self._dexel_rays()
 
     def _dexel_rays(self) -> int:
         if self.blank is None:

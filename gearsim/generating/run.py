@@ -6,13 +6,12 @@ from collections.abc import Callable
 
 import numpy as np
 
-from gearsim.cutters.profile import Profile
 from gearsim.errors import Status
 from gearsim.generating.job import Cut, GeneratingJob
 from gearsim.metrology.bevel import FlankMotion, measure_convergence
 from gearsim.metrology.dexel_check import DexelResult, measure_dexels
 from gearsim.metrology.findings import Finding, surface_findings
-from gearsim.metrology.machine import MeasuringMachine
+from gearsim.metrology.machine import MachineFor, MeasuringMachine
 from gearsim.metrology.roads import LIMIT_UM
 from gearsim.metrology.surface import SurfaceResult, measure_surface, surface_rays
 from gearsim.motion.segments import SegmentTable
@@ -21,7 +20,7 @@ from gearsim.result import CutResult, GeneratingResult, Verdict, versions
 from gearsim.scene import scene_table
 
 
-def measure(job: GeneratingJob, machine_for: Callable[[Profile], MeasuringMachine], device: str) -> GeneratingResult:
+def measure(job: GeneratingJob, machine_for: MachineFor, device: str) -> GeneratingResult:
     """Measure everything the report holds; ``machine_for`` gives a measuring machine for a tool."""
     cuts, machines, segments, dexels = [], [], 0, None
     for cut in job.cuts:

@@ -48,3 +48,6 @@ class MeasuringMachine:
         ends = np.cumsum([len(b) for b in bundles])[:-1]
         columns = (np.split(getattr(deviation, f), ends) for f in deviation.__dataclass_fields__)
         return [Deviation(*parts) for parts in zip(*columns, strict=True)]
+
+
+MachineFor = Callable[[Profile], MeasuringMachine]

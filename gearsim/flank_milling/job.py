@@ -1,4 +1,4 @@
-"""A job: a scene made ready to run, with its geometry, program and motions, nothing cut yet."""
+"""A flank-milling job: a scene made ready to run, with its geometry, program and motions, nothing cut yet."""
 
 from __future__ import annotations
 
@@ -15,7 +15,6 @@ from gearsim.motion.segments import SegmentTable, compile_motion, join
 from gearsim.motion.sources import CLMotion, MotionSource
 from gearsim.programs.cldata import RAPID, CLPath, CLProgram, apt_parameters, assemble, format_cl, parse_cl
 from gearsim.scene import FlankMillingScene
-from gearsim.simulation.removal import SLOT_BYTES, tile_rays
 from gearsim.surfaces.ruled_bevel import SIDES, RuledBevelTooth, Side
 from gearsim.toolpaths.flank import FlankPath
 
@@ -51,6 +50,10 @@ class Job:
         """A motion of this job's cutter as a table, to the scene's tolerance."""
         return compile_motion(source, self.cutter.reach, self.scene.simulation.compile_tolerance_mm)
 
+    def segment_count(self) -> int:
+        """Rows of the program's table."""
+        return len(self.program)
+
     def envelope_samples(self) -> int:
         """Samples the envelope road will solve for."""
         m = self.scene.metrology
@@ -68,19 +71,6 @@ class Job:
         box = slot_box(self.tooth.patches, self.tooth.blank, self.scene.simulation.dexel_pitch_mm).counts
         dexels = int(box[0] * box[1] + box[1] * box[2] + box[0] * box[2])
         return 2 * (flank + converge) + 3 * max(3, m.rows // 2) * m.columns + dexels
-
-
-def estimate(job: Job) -> dict[str, float]:
-    """Rays, segments, memory [MB] and time [s] of a run, from figures measured on two common CPU cores."""
-    rays, segments = job.ray_count(), len(job.program)
-    slots = job.scene.simulation.interval_slots
-    samples = job.envelope_samples()
-    return {
-        "rays": rays,
-        "segments": segments,
-        "memory_mb": 600.0 + 1e-6 * (SLOT_BYTES * slots * min(rays, tile_rays(slots)) + 450 * rays + 2000 * samples),
-        "seconds": 6.0 + rays / 60e3 + samples * (2.2e-4 + 5e-7 * segments),
-    }
 
 
 def plan(scene: FlankMillingScene, folder: Path) -> Job:
