@@ -80,10 +80,11 @@ def test_a_wrong_closed_form_is_not_trusted():
 
 def _shifted(patch):
     """The patch of a tool whose profile stands 10 um proud, under the same motion."""
-    elements = tuple(
-        replace(e, start=(e.start[0] + 0.01 * (e.start[0] > 0), e.start[1]), end=(e.end[0] + 0.01 * (e.end[0] > 0), e.end[1]))
-        for e in patch.cutter.elements
-    )  # fmt: skip
+
+    def proud(point):
+        return (point[0] + 0.01 * (point[0] > 0.0), point[1])
+
+    elements = tuple(replace(e, start=proud(e.start), end=proud(e.end)) for e in patch.cutter.elements)
     cutter = replace(patch.cutter, elements=elements)
     return EnvelopePatch(patch.name, patch.source, cutter, patch.elements, patch.branch, patch.window)
 
