@@ -15,13 +15,10 @@ Number = Annotated[float, Field(gt=-1e5, lt=1e5, allow_inf_nan=False)]
 Turn = Annotated[float, Field(ge=-360.0, le=360.0, allow_inf_nan=False)]
 
 
-class BevelBlankTable(Table):
-    """The blank of a bevel gear, by module, tooth numbers and shaft angle."""
+class ConesTable(Table):
+    """What blanks of bevel gears share: tooth number, face, heights and angles."""
 
     teeth: int = Field(ge=5, le=1000)
-    mate_teeth: int = Field(ge=3, le=1000)
-    module_mm: Length
-    shaft_angle_deg: float = Field(gt=0.0, lt=180.0, allow_inf_nan=False)
     face_width_mm: Length
     addendum_mm: Length
     dedendum_mm: Length
@@ -29,38 +26,36 @@ class BevelBlankTable(Table):
     root_angle_deg: float = Field(gt=0.0, lt=180.0, allow_inf_nan=False)
     clearance_mm: LengthOrZero
     rim_mm: Length
+
+    def _blank(self, pitch: float, cone_distance: float) -> BevelBlank:
+        return BevelBlank(
+            self.teeth, pitch, cone_distance, self.face_width_mm, self.addendum_mm, self.dedendum_mm,
+            radians(self.face_angle_deg), radians(self.root_angle_deg), self.clearance_mm, self.rim_mm,
+        )  # fmt: skip
+
+
+class BevelBlankTable(ConesTable):
+    """The blank of a bevel gear, by module, tooth numbers and shaft angle."""
+
+    mate_teeth: int = Field(ge=3, le=1000)
+    module_mm: Length
+    shaft_angle_deg: float = Field(gt=0.0, lt=180.0, allow_inf_nan=False)
 
     def blank(self) -> BevelBlank:
         """The blank. Raises InputError where it is impossible."""
         pitch = pitch_angle(self.teeth, self.mate_teeth, radians(self.shaft_angle_deg))
-        return BevelBlank(
-            self.teeth, pitch, outer_cone_distance(self.module_mm, self.teeth, pitch), self.face_width_mm,
-            self.addendum_mm, self.dedendum_mm, radians(self.face_angle_deg), radians(self.root_angle_deg),
-            self.clearance_mm, self.rim_mm,
-        )  # fmt: skip
+        return self._blank(pitch, outer_cone_distance(self.module_mm, self.teeth, pitch))
 
 
-class HypoidBlankTable(Table):
+class HypoidBlankTable(ConesTable):
     """The blank of a hypoid pinion, by its own pitch cone."""
 
-    teeth: int = Field(ge=5, le=1000)
     pitch_angle_deg: float = Field(gt=0.0, lt=90.0, allow_inf_nan=False)
     cone_distance_mm: Length
-    face_width_mm: Length
-    addendum_mm: Length
-    dedendum_mm: Length
-    face_angle_deg: float = Field(gt=0.0, lt=180.0, allow_inf_nan=False)
-    root_angle_deg: float = Field(gt=0.0, lt=180.0, allow_inf_nan=False)
-    clearance_mm: LengthOrZero
-    rim_mm: Length
 
     def blank(self) -> BevelBlank:
         """The blank, apex of the pitch cone at the origin. Raises InputError where it is impossible."""
-        return BevelBlank(
-            self.teeth, radians(self.pitch_angle_deg), self.cone_distance_mm, self.face_width_mm, self.addendum_mm,
-            self.dedendum_mm, radians(self.face_angle_deg), radians(self.root_angle_deg), self.clearance_mm,
-            self.rim_mm,
-        )  # fmt: skip
+        return self._blank(radians(self.pitch_angle_deg), self.cone_distance_mm)
 
 
 class GeneratorTable(Table):
