@@ -1,14 +1,14 @@
 """From a hit of a ring along the ray to where the segment's sweep ends.
 
-Two steps alternate until both settle: take the pose at which the point lies deepest, and follow the ray at
-that pose to the tool's surface. Where two faces of the tool take turns in stopping this, each gaining little,
-the pose is taken at which both, seen as planes, let pass the farthest point. Every stretch walked lies in the
-tool at some pose, so no gap is spanned.
+Two steps alternate until both settle: take the pose at which the point lies deepest, and follow the ray to
+the tool's surface, at that pose or while the pose changes as the deepest one does. Every point walked through
+lies in the tool at some pose, so no gap is spanned.
 """
 
 import warp as wp
 
 from gearsim.kernels.pose import Motion
+from gearsim.kernels.profile import FAR
 from gearsim.kernels.ring import Gap, Ring, gap_of
 
 f64 = wp.float64
@@ -73,42 +73,44 @@ def deepest(ring: Ring, motion: Motion, row: int, origin: wp.vec3d, direction: w
 
 
 @wp.func
-def farthest_pose(low: Low, way: f64) -> f64:
-    """The pose at which the planes that touch F on both sides of a low let pass the farthest point.
+def valley(low: Low) -> f64:
+    """How the deepest pose changes along the ray, dx/dtau: where the faces on both sides of it stay level."""
+    if low.a.push * low.b.push >= f64(0.0):
+        return f64(0.0)
+    return -(low.a.steep - low.b.steep) / (low.a.push - low.b.push)
 
-    Not quite up to where one of them keeps out the point itself.
-    """
-    m_a = low.a.push * low.a.x - low.a.f
-    m_b = low.b.push * low.b.x - low.b.f
-    det = low.a.push * low.b.steep - low.b.push * low.a.steep
-    u = low.a.push * m_b - low.b.push * m_a
-    if low.a.push * low.b.push >= f64(0.0) or u * det * way <= f64(0.0):
-        return low.best.x
-    x_a = m_a / low.a.push
-    x_b = m_b / low.b.push
-    margin = f64(0.01) * wp.abs(x_b - x_a)
-    x = (m_a * low.b.steep - m_b * low.a.steep) / det
-    x = wp.clamp(x, wp.min(x_a, x_b) + margin, wp.max(x_a, x_b) - margin)
-    return wp.clamp(x, f64(-1.0), f64(1.0))
+
+@wp.func
+def room(x: f64, climb: f64) -> f64:
+    """How far the ray can be followed until the pose leaves the segment."""
+    if climb > f64(0.0):
+        return (f64(1.0) - x) / climb
+    if climb < f64(0.0):
+        return (f64(-1.0) - x) / climb
+    return FAR
 
 
 @wp.func
 def follow(
-    ring: Ring, motion: Motion, row: int, origin: wp.vec3d, direction: wp.vec3d, here: Gap, way: f64, slack: f64
+    ring: Ring, motion: Motion, row: int, origin: wp.vec3d, direction: wp.vec3d,
+    here: Gap, way: f64, slope: f64, slack: f64,
 ) -> Gap:  # fmt: skip
-    """Along the ray at a fixed pose from inside the ring to its surface.
+    """Along the ray, the pose changing by ``slope``, from inside the ring to its surface or the segment's end.
 
-    F + c tau²/2 is convex along the ray with c = 2/r, as long as r stays above half its value. Hence between
-    two points inside, one of them deeper than c L²/2, a stretch of length L is all inside; where neither is,
-    it comes out by c L²/8 at most, which may be as much as the slack.
+    By the bound of kernels/ring_search.py F + c tau²/2 is convex on the way as long as r stays above half its
+    value. Hence between two points inside, one of them deeper than c L²/2, a stretch of length L is all
+    inside; where neither is, it comes out by c L²/8 at most, which may be as much as the slack.
     """
+    climb = slope * way
+    pace = f64(1.0) + wp.abs(slope) * motion.speed[row]
+    bend = (motion.acceleration[row] * wp.abs(slope) + f64(2.0) * motion.spin[row]) * wp.abs(slope)
     a = here
     b = here
     bracketed = int(0)
     step = int(0)
     while step < FOLLOW_STEPS:
         depth = -a.f
-        rise = a.steep * way
+        rise = (a.steep + slope * a.push) * way
         if bracketed == 1:
             width = wp.abs(b.tau - a.tau)
             if depth <= SETTLED or width <= SETTLED:
@@ -117,13 +119,17 @@ def follow(
             if step % 3 == 0:
                 move = f64(0.5) * width
         else:
-            if depth <= SETTLED and rise > f64(0.0):
+            left = room(a.x, climb)
+            if left <= SETTLED or (depth <= SETTLED and rise > f64(0.0)):
                 return a
-            move = wp.max(depth, wp.sqrt(wp.max(depth, f64(4.0) * slack) * a.r))
-            move = wp.min(move, f64(0.5) * a.r)
+            c = bend + f64(2.0) * pace * pace / a.r
+            move = wp.max(depth / pace, wp.sqrt(f64(2.0) * wp.max(depth, f64(4.0) * slack) / c))
+            move = wp.min(move, f64(0.5) * a.r / pace)
             if rise > f64(0.0):
                 move = wp.min(move, depth / rise)
-        g = gap_of(ring, motion, row, origin, direction, a.x, a.tau + way * move)
+            move = wp.min(move, left)
+        x = wp.clamp(a.x + climb * move, f64(-1.0), f64(1.0))
+        g = gap_of(ring, motion, row, origin, direction, x, a.tau + way * move)
         step += 1
         if g.f <= f64(0.0):
             a = g
@@ -147,11 +153,10 @@ def chase(
         if round > 0 and here.f > f64(-4.0) * SETTLED:
             end.converged = 1
         else:
+            slope = f64(0.0)
             if round % 2 == 1:
-                far = gap_of(ring, motion, row, origin, direction, farthest_pose(low, way), here.tau)
-                if far.f <= f64(0.0):
-                    here = far
-            here = follow(ring, motion, row, origin, direction, here, way, slack)
+                slope = valley(low)
+            here = follow(ring, motion, row, origin, direction, here, way, slope, slack)
         round += 1
     end.tau = here.tau
     return end

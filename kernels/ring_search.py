@@ -7,7 +7,8 @@ point, with n = (nr, nz) the gradient of f there,
 B is what the point's path as the tool sees it bends (K, w: bounds on its second derivatives); C is there on
 the hole's side only, where r grows by b²/2r over a step b around the axis (a_x, a_tau: rates that way). A
 box of poses and ray points whose bound is above minus the slack holds no hit deeper than the slack;
-otherwise it is halved, down a binary tree that is walked without a stack.
+otherwise it is halved, down a binary tree that is walked without a stack, to a depth at which boxes are
+smaller than what could matter.
 """
 
 import warp as wp
@@ -53,11 +54,13 @@ class Box:
 
 @wp.func
 def bit(bits: wp.int64, k: int) -> bool:
+    """Whether bit k is set."""
     return ((bits >> wp.int64(k)) & ONE) == ONE
 
 
 @wp.func
 def with_bit(bits: wp.int64, k: int, value: bool) -> wp.int64:
+    """The bits with bit k set to a value."""
     mask = ONE << wp.int64(k)
     if value:
         return bits | mask
