@@ -8,6 +8,7 @@ import numpy as np
 
 from gearsim.generating.job import Cut, GeneratingJob
 from gearsim.machines.chain import Machine
+from gearsim.machines.path import AxisPath
 from gearsim.motion.axes import AxisMotion
 from gearsim.motion.sources import CurveMotion, MotionSource
 from gearsim.programs.axis_table import AxisTable, format_axis_table, parse_axis_table
@@ -27,36 +28,45 @@ def plan_hypoid(scene: HypoidScene) -> GeneratingJob:
     groups = {"": pinion.patches} if together else {s: [p for p in pinion.patches if p.side == s] for s in sides}
     cuts: list[Cut] = []
     programs: dict[str, str] = {}
+    notes: list[str] = []
     for label, patches in groups.items():
         tooth = sides[label or "concave"]
-        cut, tables = _cut(scene, tooth, tuple(patches), machines)
-        cuts.append(cut)
+        paths = {name: _path(machine, tooth, scene.toolpath.rows) for name, machine in machines.items()}
+        tables = {name: _table(path, scene.toolpath.decimals) for name, path in paths.items()}
+        cuts.append(_cut(tooth, tuple(patches), machines, tables))
         programs |= {f"axes-{name}{'-' * bool(label)}{label}.csv": text for name, text in tables.items()}
+        notes += [f"{name}: {message}" for name, path in paths.items() for message in path.messages()]
     texts = {"roll": "generating roll of the cradle machine, continuously"}
     texts |= {
         name: f"{machine.name}: axis values at {scene.toolpath.rows} steps of the roll, all axes linear between them"
         for name, machine in machines.items()
     }
-    return GeneratingJob(scene, tuple(cuts), texts, PINION_FRAME, programs, pinion.blank if together else None)
+    blank = pinion.blank if together else None
+    return GeneratingJob(scene, tuple(cuts), texts, PINION_FRAME, programs, blank, tuple(notes))
+
+
+def _path(machine: Machine, tooth: FaceMilledTooth, rows: int) -> AxisPath:
+    """Axis values over a head's roll, on the branch nearest to all axes at zero."""
+    start = np.zeros(len(machine.axes))
+    return generation_axes(machine, tooth.generator.frames, *tooth.motion_range, rows, near=start)
+
+
+def _table(path: AxisPath, decimals: int) -> str:
+    values = generation_motion(path).values
+    return format_axis_table(AxisTable(path.machine, values, 10 * np.arange(1, len(values) + 1)), decimals)
 
 
 def _cut(
-    scene: HypoidScene, tooth: FaceMilledTooth, patches: tuple[Patch, ...], machines: dict[str, Machine]
-) -> tuple[Cut, dict[str, str]]:
-    """One head's motions, what is simulated read back from its tables of axis values; and those tables."""
+    tooth: FaceMilledTooth, patches: tuple[Patch, ...], machines: dict[str, Machine], tables: dict[str, str]
+) -> Cut:
+    """One head's motions; what is simulated is read back from its tables of axis values."""
     sources: dict[str, MotionSource] = {"roll": CurveMotion(tooth.poses, *tooth.motion_range)}
     sampled: dict[str, Callable[[int], MotionSource]] = {}
-    programs = {}
     for name, machine in machines.items():
 
         def motion(rows: int, machine: Machine = machine) -> AxisMotion:
-            start = np.zeros(len(machine.axes))
-            path = generation_axes(machine, tooth.generator.frames, *tooth.motion_range, rows, near=start)
-            return generation_motion(path)
+            return generation_motion(_path(machine, tooth, rows))
 
-        values = motion(scene.toolpath.rows).values
-        table = AxisTable(machine, values, 10 * np.arange(1, len(values) + 1))
-        programs[name] = format_axis_table(table, scene.toolpath.decimals)
-        sources[name] = AxisMotion(machine, parse_axis_table(programs[name], machine).values)
+        sources[name] = AxisMotion(machine, parse_axis_table(tables[name], machine).values)
         sampled[name] = motion
-    return Cut(tooth.head, patches, sources, sampled), programs
+    return Cut(tooth.head, patches, sources, sampled)

@@ -40,7 +40,7 @@ class GeneratingJob:
 
     ``texts`` says what each motion is, by name; ``frame`` is the frame of all coordinates in words;
     ``programs`` are texts to be written, by file name; ``blank`` is what the surfaces are cut into (None: they
-    stand alone).
+    stand alone); ``notes`` are the machines' remarks on their axes (near-singular steps, free axes).
     """
 
     scene: GeneratedScene
@@ -49,6 +49,7 @@ class GeneratingJob:
     frame: str
     programs: dict[str, str] = field(default_factory=dict)
     blank: BevelBlank | None = None
+    notes: tuple[str, ...] = ()
 
     def compiled(self, cut: Cut, source: MotionSource) -> FlankMotion:
         """A motion of a cut's tool with its table, to the scene's tolerance."""

@@ -53,6 +53,7 @@ def measure(job: GeneratingJob, machine_for: MachineFor, device: str) -> Generat
         cuts=tuple(cuts),
         texts=dict(job.texts),
         programs=dict(job.programs),
+        notes=job.notes,
         blank=job.blank,
         dexels=dexels,
     )

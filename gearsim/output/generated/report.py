@@ -52,7 +52,8 @@ def _motions(report: dict[str, Any]) -> str:
                 [f"{side}: {name}", *(um(d[k]) for k in ("min", "max", "mean", "rms")), d["uncut"], d["through"]]
             )
     head = ["Deviation from the closed form [µm]", "min", "max", "mean", "RMS", "uncut", "cut through"]
-    return f"## What each motion cuts\n\n{lines}\n" + table(head, rows)
+    notes = "".join(f"\n*{note}*\n" for note in report["machine_notes"])
+    return f"## What each motion cuts\n\n{lines}\n" + table(head, rows) + notes
 
 
 def _roads(report: dict[str, Any]) -> str:

@@ -20,6 +20,7 @@ def summary(result: GeneratingResult) -> dict[str, Any]:
     out = {
         **provenance_figures(result, conventions),
         "motions": result.texts,
+        "machine_notes": list(result.notes),
         "flanks": {name: _surface(surface) for name, surface in result.surfaces.items()},
     }
     if result.dexels is not None:
