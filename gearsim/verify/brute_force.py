@@ -20,11 +20,12 @@ from gearsim.cutters.profile import Profile
 from gearsim.motion.sources import MotionSource
 
 _MARGIN = 1.25
-_SPACING = 0.5
+_SPACING = 4.0
 _NEIGHBOUR = 0.02
 _CHUNK = 1 << 20
 _LIVE = 1 << 18
 _LEVELS = 60
+_FAR = 1e-6
 
 
 class Least(NamedTuple):
@@ -92,10 +93,10 @@ def gradient_at(source: MotionSource, cutter: Profile, points: NDArray, piece: N
 
 
 def least_distance(source: MotionSource, cutter: Profile, points: NDArray, tolerance: float = 1e-10) -> Least:
-    """Least signed distance of points, shape (n, 3), to the tool over its whole motion, to ``tolerance`` [mm].
+    """Least signed distance of points, shape (n, 3), to the tool over its whole motion.
 
-    ``bound`` is ``distance - tolerance``, or lower where the distance stays nearly constant over so long a
-    stretch that the search was given up.
+    ``bound`` is ``tolerance`` [mm] below ``distance``, or 1e-6 of it where that is more; lower still where the
+    distance stays nearly constant over so long a stretch that the search was given up.
     """
     found = [_part_least(source, _tool(part), points, tolerance) for part in cutter.parts]
     nearest = np.argmin([f.distance for f in found], axis=0)
@@ -167,18 +168,21 @@ def _search(
         best.piece[point[hit]], best.t[point[hit]] = piece[row[hit]], t[hit]
         return f
 
+    def slack() -> NDArray:
+        return np.maximum(tolerance, _FAR * np.abs(best.distance))
+
     three = [value(point, row, (centre + shift * half)[row]) for shift in (-1.0, 0.0, 1.0)]
     live = _Stretches(point, row, centre[row], half[row], *three)
     for _ in range(_LEVELS):
         bound = _bound(live, rates, tool)
-        keep = bound < best.distance[live.point] - tolerance
+        keep = bound < (best.distance - slack())[live.point]
         live, bound = _Stretches(*(c[keep] for c in live)), bound[keep]
         if len(live.point) > _LIVE or not len(live.point):
             break
         live = _halved(live, value)
     else:
         bound = _bound(live, rates, tool)
-    best.bound[:] = best.distance - tolerance
+    best.bound[:] = best.distance - slack()
     np.minimum.at(best.bound, live.point, bound)
     return best
 

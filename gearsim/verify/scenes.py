@@ -11,8 +11,6 @@ from gearsim.motion.sources import CLMotion, CurveMotion
 from gearsim.programs.cldata import RAPID, parse_cl
 from gearsim.scene import EnvelopeScene, FaceMillingScene, FlankMillingScene, HypoidScene, Scene
 from gearsim.surfaces.face_milled import FaceMilledTooth
-from gearsim.surfaces.ruled_bevel import SIDES
-from gearsim.toolpaths.flank import FlankPath
 from gearsim.verify.closed_form import ClosedForm, envelope_forms, pose_forms
 
 
@@ -23,13 +21,12 @@ def closed_forms(scene: Scene, folder: Path) -> list[ClosedForm]:
 
 def _flank_milling(scene: FlankMillingScene, folder: Path) -> list[ClosedForm]:
     """The envelopes of the cutter's profile elements under each flank's planned path, or each path of its CL file."""
-    tooth, cutter, table = scene.tooth(), scene.tool(), scene.toolpath
+    cutter, table = scene.tool(), scene.toolpath
     if table.file is not None:
         program = parse_cl(read_input(folder / table.file, "CL file"), str(folder / table.file))
         sources = {p.name: CLMotion(p.tips, p.axes) for p in program.paths if p.name != RAPID}
         return [form for name, source in sources.items() for form in envelope_forms(source, cutter, name)]
-    motions = {side: FlankPath(tooth, side, cutter, table.run_mm).motion for side in SIDES}
-    return [form for side, motion in motions.items() for form in envelope_forms(motion, cutter, side)]
+    return [form for side, p in scene.planners().items() for form in envelope_forms(p.motion, cutter, side)]
 
 
 def _envelope(scene: EnvelopeScene, _: Path) -> list[ClosedForm]:

@@ -45,8 +45,10 @@ def test_a_ball_on_a_straight_line_is_a_capsule(rng):
     points = rng.uniform([-8.0, -8.0, -6.0], [18.0, 8.0, BALL], size=(200, 3))  # below the shank
     centre = np.column_stack([np.clip(points[:, 0], 0.0, 10.0), np.zeros(200), np.full(200, BALL)])
     found = least_distance(motion, ball(), points)
-    assert np.allclose(found.distance, np.linalg.norm(points - centre, axis=1) - BALL, rtol=0.0, atol=1e-9)
-    assert np.all(found.bound >= found.distance - 1.1e-10)
+    expected = np.linalg.norm(points - centre, axis=1) - BALL
+    assert np.all(found.distance >= expected - 1e-13)
+    assert np.all(found.bound <= expected)
+    assert np.all(found.distance - found.bound <= np.maximum(1.001e-10, 1.001e-6 * np.abs(found.distance)))
 
 
 @pytest.mark.parametrize("seed", range(4))
@@ -57,7 +59,7 @@ def test_no_pose_of_a_fine_sampling_comes_closer(seed):
     found = least_distance(motion, cutter, points)
     sampled, steepest = fine(motion, lambda r, z: np.hypot(r, np.maximum(BALL - z, 0.0)) - BALL, points)
     assert np.all(found.bound <= sampled)
-    assert np.all(found.distance <= sampled + 1e-10)
+    assert np.all(found.distance <= sampled + 1e-10 + 1e-6 * np.abs(sampled))
     assert np.all(found.distance >= sampled - steepest)
     at = distance_at(motion, cutter, points, found.piece, found.t)
     assert np.array_equal(at, found.distance)
@@ -72,7 +74,7 @@ def test_a_ring_is_searched_inside_and_outside(seed):
     found = least_distance(motion, cutter, points)
     sampled, steepest = fine(motion, cutter.signed_distance, points)
     assert np.all(found.bound <= sampled)
-    assert np.all(found.distance <= sampled + 1e-10)
+    assert np.all(found.distance <= sampled + 1e-10 + 1e-6 * np.abs(sampled))
     assert np.all(found.distance >= sampled - steepest)
 
 
@@ -81,7 +83,7 @@ def test_both_of_two_touches_are_found(rng):
     tips = np.array([[-30.0, 3.0, 0.0], [30.0, 3.0, 0.0], [30.0, -2.5, 0.0], [-30.0, -2.5, 0.0]])
     motion = CLMotion(tips, np.tile([0.0, 0.0, 1.0], (4, 1)))
     found = least_distance(motion, ball(), np.array([[1.0, 0.0, BALL]]))
-    assert found.distance[0] == pytest.approx(0.5, abs=1e-12)
+    assert found.distance[0] == pytest.approx(0.5, abs=1e-6)
     assert found.piece[0] == 2
 
 

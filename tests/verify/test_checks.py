@@ -8,7 +8,7 @@ import pytest
 
 from gearsim.cutters.catalogue import apt
 from gearsim.motion.sources import CLMotion
-from gearsim.surfaces.ruled_bevel import SIDES
+from gearsim.surfaces.patch import SIDES
 from gearsim.toolpaths.flank import FlankPath
 from gearsim.verify import Claimed, envelope_form, envelope_forms, pose_form, verify_form
 from tests.verify.forms import BALL, changed, circular_form, corner_of_a_path, with_own_normals
