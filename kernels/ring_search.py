@@ -69,8 +69,11 @@ def with_bit(bits: wp.int64, k: int, value: bool) -> wp.int64:
 
 @wp.func
 def least_in(ring: Ring, motion: Motion, row: int, g: Gap, hx: f64, ht: f64) -> wp.vec3d:
-    """Lower bound of the distance in the box hx, ht around a known point, and what hx and ht take off it."""
-    far = wp.max((g.size + motion.speed[row] * hx + ht) / ring.reach, f64(1.0))
+    """Lower bound of the distance in the box hx, ht around a known point, and what hx and ht take off it.
+
+    The row's bounds hold for points within the reach; farther ones, up to 5 deg of rotation, are faster by ``far``.
+    """
+    far = wp.max(f64(1.05) * (g.size + motion.speed[row] * hx + ht) / ring.reach, f64(1.0))
     bend = f64(0.5) * motion.acceleration[row] * far * far * hx * hx
     twist = motion.spin[row] * hx * ht
     by_x = wp.abs(g.push) * hx + bend
