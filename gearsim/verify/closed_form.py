@@ -14,6 +14,7 @@ from gearsim.envelope.surface import BRANCHES, envelope_points
 from gearsim.errors import InputError
 from gearsim.geometry.jets import Curvature
 from gearsim.motion.sources import MotionSource
+from gearsim.verify.shared import SharedPoses
 
 _UNIT = 1e-9
 
@@ -101,6 +102,7 @@ def envelope_form(
     ``branch`` is +1 or -1, the side of the tool (see geometry/grazing.py); ``t_range`` is the part of the whole
     motion to check, as fractions of its pieces.
     """
+    source = SharedPoses(source)
     first, last = (source.pieces * t for t in t_range)
     length = cutter.elements[element].length
 
@@ -153,6 +155,7 @@ def pose_form(
 
     u runs once round the axis, v along the element; the curvature is that of a surface of revolution.
     """
+    source = SharedPoses(source)
     length, piece = cutter.elements[element].length, min(int(t * source.pieces), source.pieces - 1)
     at = t * source.pieces - piece
     pose = source.pose(np.array([piece]), np.array([at]), 0)

@@ -33,7 +33,7 @@ def verify_points(forms: list[ClosedForm], points: PointList, name: str, limits:
 
 def _form_of(forms: list[ClosedForm], flank: str, name: str) -> ClosedForm:
     mine = [f for f in forms if f.flank == flank]
-    if not mine and len({id(f.motion) for f in forms}) == 1:
+    if len({f.flank for f in forms}) == 1:
         mine = forms
     if not mine:
         flanks = sorted({f.flank for f in forms if f.flank})

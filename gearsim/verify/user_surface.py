@@ -17,6 +17,7 @@ from gearsim.geometry.pose import PoseSeries
 from gearsim.geometry.series import Series
 from gearsim.motion.sources import MotionSource
 from gearsim.verify.closed_form import Claimed, ClosedForm
+from gearsim.verify.shared import SharedPoses
 
 _STEP = 1e-4
 
@@ -74,12 +75,12 @@ def load_surface(file: Path) -> ClosedForm:
     cutter = _needed(file, names, "cutter", Profile, "a Profile, made by a function of gearsim.cutters.catalogue")
     points = _needed(file, names, "points", Callable, "a function of u and v")
     if callable(names.get("pose")):
-        motion: MotionSource = _GuardedMotion(file, PoseFunction(names["pose"]))
+        motion: MotionSource = SharedPoses(_GuardedMotion(file, PoseFunction(names["pose"])))
     else:
         source = _needed(file, names, "motion", object, "a motion (CLMotion, CurveMotion), or a function pose(t)")
         if not hasattr(source, "pieces") or not hasattr(source, "pose"):
             raise InputError(f"{file}: 'motion' is {type(source).__name__}; expected CLMotion or CurveMotion")
-        motion = _GuardedMotion(file, source)
+        motion = SharedPoses(_GuardedMotion(file, source))
 
     def claims(u: NDArray, v: NDArray) -> Claimed:
         found = _guarded(file, points)(u, v)

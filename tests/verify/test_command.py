@@ -162,6 +162,12 @@ def test_the_list_says_which_flank_it_is(tmp_path, capsys):
     assert run(SCENE, "--points-file", file) == 1
 
 
+def test_where_there_is_one_motion_any_flank_is_its(listed):
+    assert (
+        run("--surface", EXAMPLE, "--points-file", listed(edit=lambda t: t.replace("# flank:", "# flank: left"))) == 0
+    )
+
+
 @pytest.mark.parametrize("arguments", [["--points", "0"], ["--points", "x"], ["--limit-mm", "-1"], ["--limit-mm", "a"]])
 def test_impossible_options_are_refused(arguments, capsys):
     with pytest.raises(SystemExit) as stop:
