@@ -143,8 +143,8 @@ def _stations(source: MotionSource, tool: _Tool) -> tuple[NDArray, NDArray, NDAr
     piece, each = np.repeat(np.arange(source.pieces), count), np.repeat(count, count)
     half = 0.5 / each
     centre = (2 * (np.arange(count.sum()) - np.repeat(np.cumsum(count) - count, count)) + 1) * half
-    around = [_rates(source, piece, centre + shift * half) for shift in (-1.0, 0.0, 1.0)]
-    return piece, centre, half, _Rates(*(_MARGIN * np.max(c, axis=0) for c in zip(*around, strict=True)))
+    around = _rates(source, np.tile(piece, 3), np.concatenate([centre + k * half for k in (-1, 0, 1)]))
+    return piece, centre, half, _Rates(*(_MARGIN * c.reshape(3, -1).max(axis=0) for c in around))
 
 
 def _rates(source: MotionSource, piece: NDArray, t: NDArray) -> _Rates:
@@ -171,8 +171,8 @@ def _search(
     def slack() -> NDArray:
         return np.maximum(tolerance, _FAR * np.abs(best.distance))
 
-    three = [value(point, row, (centre + shift * half)[row]) for shift in (-1.0, 0.0, 1.0)]
-    live = _Stretches(point, row, centre[row], half[row], *three)
+    three = value(np.tile(point, 3), np.tile(row, 3), np.concatenate([(centre + k * half)[row] for k in (-1, 0, 1)]))
+    live = _Stretches(point, row, centre[row], half[row], *three.reshape(3, -1))
     for _ in range(_LEVELS):
         bound = _bound(live, rates, tool)
         keep = bound < (best.distance - slack())[live.point]
@@ -189,12 +189,11 @@ def _search(
 
 def _halved(live: _Stretches, value: Callable[[NDArray, NDArray, NDArray], NDArray]) -> _Stretches:
     quarter = 0.5 * live.half
-    left, right = (value(live.point, live.row, live.centre + s * quarter) for s in (-1.0, 1.0))
-    halves = (
-        (live.point, live.row, live.centre - quarter, quarter, live.fa, left, live.fm),
-        (live.point, live.row, live.centre + quarter, quarter, live.fm, right, live.fb),
-    )
-    return _Stretches(*(np.concatenate(columns) for columns in zip(*halves, strict=True)))
+    point, row = np.tile(live.point, 2), np.tile(live.row, 2)
+    centre = np.concatenate([live.centre - quarter, live.centre + quarter])
+    middle = value(point, row, centre)
+    start, end = np.concatenate([live.fa, live.fm]), np.concatenate([live.fm, live.fb])
+    return _Stretches(point, row, centre, np.tile(quarter, 2), start, middle, end)
 
 
 def _bound(live: _Stretches, rates: _Rates, tool: _Tool) -> NDArray:

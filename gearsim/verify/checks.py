@@ -130,9 +130,9 @@ def _slope(form: ClosedForm, claimed: Claimed) -> NDArray:
     tip, axis = (s.derivatives() for s in form.motion.pose(claimed.pieces, claimed.t, 1))
     speed = np.linalg.norm(tip[1], axis=1) + form.cutter.reach * np.linalg.norm(axis[1], axis=1)
     step = np.minimum(_NUDGE / np.maximum(speed, 1e-12), 1e-3)
-    ahead, back = (
-        distance_at(form.motion, form.cutter, claimed.point, claimed.pieces, claimed.t + s * step) for s in (1.0, -1.0)
-    )
+    t = np.concatenate([claimed.t + step, claimed.t - step])
+    both = np.tile(claimed.point, (2, 1))
+    ahead, back = distance_at(form.motion, form.cutter, both, np.tile(claimed.pieces, 2), t).reshape(2, -1)
     return np.abs(ahead - back) / (2.0 * step * np.maximum(speed, 1e-12))
 
 
@@ -146,7 +146,8 @@ def sign_check(form: ClosedForm, point: NDArray, normal: NDArray, least: Least) 
     point, step, piece, t = point[near], SIGN_STEP * normal[near], least.piece[near], least.t[near]
     if not len(point):
         return Check()
-    out, into = (distance_at(form.motion, form.cutter, point + s * step, piece, t) for s in (1.0, -1.0))
+    moved = np.concatenate([point + step, point - step])
+    out, into = distance_at(form.motion, form.cutter, moved, np.tile(piece, 2), np.tile(t, 2)).reshape(2, -1)
     right = (out < 0.0) & (into > 0.0)
     margin = np.minimum(-out, into)
     anywhere = least_distance(form.motion, form.cutter, (point - step)[right], _SIGN_TOLERANCE)

@@ -17,6 +17,7 @@ from gearsim.geometry.jets import Curvature, fundamental_curvature
 
 _FIRST = np.array([4.0 / 5.0, -1.0 / 5.0, 4.0 / 105.0, -1.0 / 280.0])
 _SECOND = np.array([8.0 / 5.0, -1.0 / 5.0, 8.0 / 315.0, -1.0 / 560.0])
+_STEPS = np.arange(1.0, 5.0)
 _LARGEST_STEP = 0.5
 _RUNGS = 8
 _FLAT = 1e-3
@@ -75,12 +76,14 @@ def _first_steps(
     room_u = np.min([np.abs(u - edge) for edge in (0.0, 1.0, *joints)], axis=0)
     room_v = np.minimum(v, 1.0 - v)
     probe_u, probe_v = 1e-3 * room_u, 1e-3 * room_v
+    around = points(
+        np.concatenate([u + probe_u, u - probe_u, u, u]), np.concatenate([v, v, v + probe_v, v - probe_v])
+    ).reshape(2, 2, -1, 3)
     with np.errstate(invalid="ignore", divide="ignore"):
-        speed_u = np.linalg.norm(points(u + probe_u, v) - points(u - probe_u, v), axis=1) / (2.0 * probe_u)
-        speed_v = np.linalg.norm(points(u, v + probe_v) - points(u, v - probe_v), axis=1) / (2.0 * probe_v)
+        moved_u, moved_v = np.linalg.norm(around[:, 0] - around[:, 1], axis=-1)
         return (
-            np.fmin(0.249 * room_u, _LARGEST_STEP / speed_u),
-            np.fmin(0.249 * room_v, _LARGEST_STEP / speed_v),
+            np.fmin(0.249 * room_u, _LARGEST_STEP * 2.0 * probe_u / moved_u),
+            np.fmin(0.249 * room_v, _LARGEST_STEP * 2.0 * probe_v / moved_v),
         )
 
 
@@ -88,18 +91,10 @@ def _on_rungs(
     points: Callable[[NDArray, NDArray], NDArray], u: NDArray, v: NDArray, step_u: NDArray, step_v: NDArray
 ) -> tuple[NDArray, Curvature]:
     """Normals and curvatures at every rung, shape (rungs, n, ...)."""
-    k = np.arange(1, 5).reshape(-1, 1, 1, 1)
-    ways = np.array(_WAYS).reshape(1, 4, 1, 2, 1)
-    shifts = [
-        sign * k * ways[:, :, :, i] * step[None, None] for sign in (1.0, -1.0) for i, step in ((0, step_u), (1, step_v))
-    ]
-    shape = (4, 4, *step_u.shape)
-    ahead_u, ahead_v, back_u, back_v = (np.broadcast_to(s, shape) for s in shifts)
+    steps = np.multiply.outer(np.concatenate([_STEPS, -_STEPS]), np.array(_WAYS))
+    du, dv = (np.multiply.outer(steps[..., i], step) for i, step in enumerate((step_u, step_v)))
     middle = points(u, v)
-    ahead, back = (
-        points((u + su).ravel(), (v + sv).ravel()).reshape(*shape, 3)
-        for su, sv in ((ahead_u, ahead_v), (back_u, back_v))
-    )
+    ahead, back = points((u + du).ravel(), (v + dv).ravel()).reshape(2, 4, *du.shape[1:], 3)
     first = np.tensordot(_FIRST, ahead[:, :2] - back[:, :2], 1)
     second = np.tensordot(_SECOND, (ahead - middle) + (back - middle), 1)
     ru, rv = first
