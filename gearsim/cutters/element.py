@@ -33,6 +33,11 @@ class Element:
         """A disc or annulus normal to the axis, whose effective radius r/nr is infinite."""
         return not self.is_arc and abs(self.end[1] - self.start[1]) <= 1e-12 * self.length
 
+    @property
+    def kind(self) -> str:
+        """``arc``, ``flat`` or ``line``."""
+        return "arc" if self.is_arc else "flat" if self.is_flat else "line"
+
     @cached_property
     def angles(self) -> tuple[float, float]:
         """An arc's first and last normal, as rising angles [rad] from the radial direction, up."""

@@ -22,7 +22,7 @@ from gearsim.envelope.seeds import (
     standing_tools,
     with_neighbours,
 )
-from gearsim.envelope.surface import arc_jet, disc_jet, edge_jet, envelope_points
+from gearsim.envelope.surface import arc_jet, disc_jet, edge_jet, envelope_points, line_jet
 from gearsim.envelope.trim import distance_rate
 from gearsim.geometry.rays import RayBundle
 from gearsim.motion.sources import MotionSource
@@ -36,6 +36,7 @@ _SETTLED = 1e-11
 _JOINT_SLACK = 1e-3
 _EDGE_SLACK = 1e-9
 _PROBES = 48
+_WIDE = 8.0
 
 # Points of a class with their derivatives by t and by place, for (piece, t, element, place, branch).
 JetPoints = tuple[NDArray, NDArray, NDArray]
@@ -105,22 +106,16 @@ def _envelope_crossings(
     joint = np.concatenate([solved.piece[early], solved.piece[late] + 1])
     found = _on_the_profile(cutter, solved, tau, settled)
     if thorough:
-        arcs = [i for i, e in enumerate(cutter.elements) if e.is_arc]
-        discs = [i for i, e in enumerate(cutter.elements) if e.is_flat]
-        found = _joined(
-            [found, *(_folded_crossings(rays, source, cutter, *c) for c in ((arcs, arc_jet), (discs, disc_jet)))]
-        )
+        charts = {"arc": arc_jet, "flat": disc_jet, "line": line_jet}
+        found = _joined([found, *(_folded_crossings(rays, source, cutter, *c) for c in charts.items())])
     return found, (ray, joint)
 
 
 def _folded_crossings(
-    rays: RayBundle,
-    source: MotionSource,
-    cutter: Profile,
-    elements: list[int],
-    chart: Callable[..., tuple[NDArray, ...]],
+    rays: RayBundle, source: MotionSource, cutter: Profile, kind: str, chart: Callable[..., tuple[NDArray, ...]]
 ) -> Crossings:
-    """ENVELOPE crossings of arcs or discs in the chart that is regular where the usual one folds."""
+    """ENVELOPE crossings of one kind of element in the chart that is regular where the usual one folds."""
+    elements = [i for i, e in enumerate(cutter.elements) if e.kind == kind]
 
     def jet(piece: NDArray, t: NDArray, element: NDArray, angle: NDArray, _: NDArray | None = None) -> JetPoints:
         point, by_t, by_angle, *_rest = chart(source, cutter, piece, t, element, angle)
@@ -128,7 +123,7 @@ def _folded_crossings(
 
     if not elements:
         return Crossings(*(np.empty(0, dtype=k) for k in (int, float, int, int, float, int, float, float)))
-    solved, tau, settled = _solve_angles(rays, source, elements, jet, thorough=True)
+    solved, tau, settled = _solve_angles(rays, source, cutter, elements, jet, thorough=True)
     *_, s, branch = chart(source, cutter, solved.piece, solved.t, solved.element, solved.place)
     return _on_the_profile(cutter, solved._replace(place=s, branch=branch), tau, settled)
 
@@ -152,7 +147,7 @@ def _edge_crossings(
     def jet(piece: NDArray, t: NDArray, edge: NDArray, angle: NDArray, _: NDArray | None = None) -> JetPoints:
         return edge_jet(source, cutter, piece, t, edge, angle)
 
-    solved, tau, settled = _solve_angles(rays, source, edges, jet, thorough)
+    solved, tau, settled = _solve_angles(rays, source, cutter, edges, jet, thorough)
     good = settled & _within(solved.t, 1.0)
     n = int(good.sum())
     return Crossings(
@@ -162,11 +157,12 @@ def _edge_crossings(
 
 
 def _solve_angles(
-    rays: RayBundle, source: MotionSource, elements: Sequence[int], jet: Jet, thorough: bool
+    rays: RayBundle, source: MotionSource, cutter: Profile, elements: Sequence[int], jet: Jet, thorough: bool
 ) -> tuple[Guess, NDArray, NDArray]:
     """Newton's method on surfaces over (t, angle about the axis), from their nearest points."""
-    seeds = angle_seeds(rays, source, elements, jet, thorough)
-    return _newton(rays, jet, distinct(with_neighbours(seeds, source.pieces, _BEYOND), fine=True), _STEPS)
+    seeds = angle_seeds(rays, source, cutter, elements, jet, thorough)
+    guess = with_neighbours(seeds, source.pieces, _BEYOND)
+    return _newton(rays, jet, distinct(guess, fine=True, scale=max(1.0, cutter.max_radius / _WIDE)), _STEPS)
 
 
 def _on_the_profile(cutter: Profile, solved: Guess, tau: NDArray, settled: NDArray) -> Crossings:

@@ -18,6 +18,7 @@ _POSES = 192
 _PER_RAY = 4 * _POSES
 _PER_ELEMENT = 12
 _ANGLES = 24
+_ANGLE_SPACING = 2.0
 _PROBE_STEP = 0.4
 _SLACK = 1.0
 _SEVERAL = 5
@@ -41,25 +42,25 @@ class Guess(NamedTuple):
     branch: NDArray
 
 
-def probes(rays: RayBundle, thorough: bool) -> tuple[NDArray, NDArray, NDArray]:
+def probes(rays: RayBundle, thorough: bool, slack: float = _SLACK) -> tuple[NDArray, NDArray, NDArray]:
     """Points to look from, shape (n, 3), their rays, and how far to look [mm].
 
-    The rays' origins; if ``thorough``, points all along the windows instead.
+    The rays' origins; if ``thorough``, points all along the windows instead. ``slack`` [mm]: how far samples lie apart.
     """
     every = np.arange(len(rays))
     if not thorough:
-        return rays.origin, every, np.maximum(rays.end, -rays.start) + _SLACK
+        return rays.origin, every, np.maximum(rays.end, -rays.start) + slack
     count = np.ceil((rays.end - rays.start) / _PROBE_STEP).astype(int) + 1
     ray = np.repeat(every, count)
     index = np.arange(count.sum()) - np.repeat(np.cumsum(count) - count, count)
     tau = rays.start[ray] + (rays.end - rays.start)[ray] * index / np.maximum(count - 1, 1)[ray]
-    return rays.origin[ray] + tau[:, None] * rays.direction[ray], ray, np.full(len(ray), _SLACK)
+    return rays.origin[ray] + tau[:, None] * rays.direction[ray], ray, np.full(len(ray), slack)
 
 
 def envelope_seeds(rays: RayBundle, source: MotionSource, cutter: Profile, thorough: bool) -> Guess:
     """The nearest envelope point of every profile element and branch to each probe."""
     grid = envelope_grid(source, cutter, _POSES, _PER_ELEMENT)
-    where = probes(rays, thorough)
+    where = probes(rays, thorough, max(_SLACK, max(e.length for e in cutter.elements) / _PER_ELEMENT))
     guesses = []
     for i in range(len(cutter.elements)):
         columns = np.flatnonzero(grid.element == i)
@@ -101,16 +102,19 @@ def pose_seeds(rays: RayBundle, source: MotionSource, cutter: Profile) -> Guess:
     return Guess(np.arange(len(rays)), piece[nearest], t[nearest], element, s, branch)
 
 
-def angle_seeds(rays: RayBundle, source: MotionSource, elements: Sequence[int], jet: PointsAt, thorough: bool) -> Guess:
+def angle_seeds(
+    rays: RayBundle, source: MotionSource, cutter: Profile, elements: Sequence[int], jet: PointsAt, thorough: bool
+) -> Guess:
     """The nearest points to each probe of surfaces over (t, angle about the axis), one an element.
 
     ``jet`` gives a surface's points, first, for (piece, t, element, angle).
     """
     each = max(1, -(-_POSES // source.pieces))
-    piece = np.repeat(np.arange(source.pieces), each * _ANGLES)
-    t = np.tile(np.repeat((np.arange(each) + 0.5) / each, _ANGLES), source.pieces)
-    angle = np.tile(2.0 * np.pi * np.arange(_ANGLES) / _ANGLES, source.pieces * each)
-    where = probes(rays, thorough)
+    angles = max(_ANGLES, int(np.ceil(2.0 * np.pi * cutter.max_radius / _ANGLE_SPACING)))
+    piece = np.repeat(np.arange(source.pieces), each * angles)
+    t = np.tile(np.repeat((np.arange(each) + 0.5) / each, angles), source.pieces)
+    angle = np.tile(2.0 * np.pi * np.arange(angles) / angles, source.pieces * each)
+    where = probes(rays, thorough, max(_SLACK, 0.5 * _ANGLE_SPACING))
     guesses = []
     for element in elements:
         label = np.full(len(t), element)
@@ -131,11 +135,11 @@ def with_neighbours(guess: Guess, pieces: int, beyond: float) -> Guess:
     return Guess(*(c[good] for c in (ray, piece, t, element, place, branch)))
 
 
-def distinct(guess: Guess, fine: bool) -> Guess:
-    """One guess per ray, piece, element and branch; if ``fine``, per place too (to half a millimetre)."""
+def distinct(guess: Guess, fine: bool, scale: float = 1.0) -> Guess:
+    """One guess per ray, piece, element and branch; if ``fine``, per place too, to half a unit over ``scale``."""
     columns = [guess.ray, guess.piece, guess.element, guess.branch.astype(int)]
     if fine:
-        columns.append(np.round(2.0 * guess.place).astype(int))
+        columns.append(np.round(2.0 * scale * guess.place).astype(int))
     _, first = np.unique(np.stack(columns), axis=1, return_index=True)
     return Guess(*(c[first] for c in guess))
 

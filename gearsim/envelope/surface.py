@@ -114,6 +114,39 @@ def disc_jet(
     return pose.tip + z * pose.axis + x, by_t, half / np.pi * line, s[:, 0], branch[:, 0]
 
 
+def line_jet(
+    source: MotionSource, cutter: Profile, piece: NDArray, t: NDArray, element: NDArray, angle: NDArray
+) -> tuple[NDArray, NDArray, NDArray, NDArray, NDArray]:
+    """The envelope of straight elements over (t, angle about the axis) instead of (t, arc length).
+
+    On a generatrix the normal is constant and the envelope condition is linear in the arc length s. This
+    chart is regular where a circle's effective centre stands still, so that all of the circle grazes at once
+    (a tool that turns about a point of its axis). Returns what ``arc_jet`` does; nan far off the element.
+    """
+    pose = pose_jet(source, piece, t)
+    at = cutter.at(element, np.zeros(len(t)))
+    r0, z0, nr, nz = (c[:, None] for c in at[:4])
+    length = np.array([e.length for e in cutter.elements])[element][:, None]
+    u, around = _radial(pose.axis, angle)
+    rise = _dot(pose.axis, pose.tip_rate)
+    rise_t = _dot(pose.axis_rate, pose.tip_rate) + _dot(pose.axis, pose.tip_rate2)
+    lever, lean, lean_t, lean_angle = (
+        z0 * nr - r0 * nz,
+        *(_dot(a, b) for a, b in ((u, pose.axis_rate), (u, pose.axis_rate2), (around, pose.axis_rate))),
+    )
+    with np.errstate(invalid="ignore", divide="ignore", over="ignore"):
+        s = -(nr * _dot(u, pose.tip_rate) + lever * lean + nz * rise) / lean
+        s = np.where(np.abs(s - 0.5 * length) < length, s, np.nan)
+        s_t = -(nr * (_dot(u, pose.tip_rate2) - lean * rise) + (lever + s) * lean_t + nz * rise_t) / lean
+        s_angle = -(nr * _dot(around, pose.tip_rate) + (lever + s) * lean_angle) / lean
+    way = nr * pose.axis - nz * u
+    r, z = r0 - nz * s, z0 + nr * s
+    g = nr * pose.tip_rate + (lever + s) * pose.axis_rate
+    branch = np.where(_dot(u, np.cross(pose.axis, g)) < 0.0, -1.0, 1.0)
+    by_t = pose.tip_rate + z * pose.axis_rate - r * lean * pose.axis + s_t * way
+    return pose.tip + z * pose.axis + r * u, by_t, r * around + s_angle * way, s[:, 0], branch[:, 0]
+
+
 def _radial(axis: NDArray, angle: NDArray) -> tuple[NDArray, NDArray]:
     """Unit vectors normal to the axes at an angle from a fixed direction's projection, and 90 deg on."""
     fixed = np.eye(3)[np.argmin(np.abs(axis), axis=1)]

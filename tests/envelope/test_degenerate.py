@@ -6,10 +6,10 @@ from math import cos, radians, sin
 import numpy as np
 import pytest
 
-from gearsim.cutters.catalogue import apt, conical
+from gearsim.cutters.catalogue import apt, conical, face_mill_head, grinding_wheel
 from gearsim.envelope import envelope_grid, machined_along
 from gearsim.envelope.candidates import Kind
-from gearsim.envelope.surface import disc_jet, envelope_points
+from gearsim.envelope.surface import arc_jet, disc_jet, envelope_points, line_jet
 from gearsim.errors import InputError
 from gearsim.geometry import series
 from gearsim.geometry.grazing import PoseJet, grazing_points
@@ -28,6 +28,8 @@ TAPER = radians(15.0)
 BALL = apt(6.0, 3.0, 0.0, 3.0, 0.0, 0.0, 20.0)
 FLAT = apt(6.0, 0.0, 0.0, 0.0, 0.0, 0.0, 20.0)
 CONE = conical(1.0, 1.5, TAPER, 25.0)
+RING = face_mill_head(30.0, 2.0, radians(10.0), radians(25.0), 0.0, 8.0)
+WHEEL = grinding_wheel(100.0, 3.0, radians(20.0), 8.0, 0.5)
 CUTTERS = {"ball": BALL, "flat": FLAT, "conical": CONE}
 
 
@@ -261,24 +263,60 @@ def test_the_floor_under_a_rocking_disc_is_found_where_its_line_of_contact_passe
     assert np.allclose(road.deviation, first_removed(rays, source, CONE), atol=1e-8)
 
 
-def test_the_discs_chart_agrees_with_grazing_points_and_its_derivatives_with_differences(rng):
-    axes = np.array([UP, [0.1, 0.2, 1.0]]) / np.linalg.norm([UP, [0.1, 0.2, 1.0]], axis=1, keepdims=True)
-    source = path([[0, 0, 0], [0.4, 1.0, 0.1]], axes)
-    n, d = 80, 1e-5
-    piece, element = np.zeros(n, dtype=int), np.repeat([0, 2], n // 2)
+@pytest.mark.parametrize(
+    ("chart", "cutter", "elements"),
+    [(disc_jet, FLAT, [0, 2]), (arc_jet, CONE, [1]), (line_jet, CONE, [2]), (line_jet, RING, [1, 3])],
+)
+def test_every_chart_agrees_with_grazing_points_and_its_derivatives_with_differences(chart, cutter, elements, rng):
+    axes = np.array([UP, [0.3, 0.5, 1.0]])
+    source = path([[0, 0, 0], [0.4, 1.0, 0.1]], axes / np.linalg.norm(axes, axis=1, keepdims=True))
+    n, d = 2000, 1e-5
+    piece, element = np.zeros(n, dtype=int), rng.choice(elements, n)
     t, place = rng.uniform(0.1, 0.9, n), rng.uniform(0.0, 2.0 * np.pi, n)
 
-    def chart(t, place):
-        return disc_jet(source, FLAT, piece, t, element, place)
+    def at(t, place):
+        return chart(source, cutter, piece, t, element, place)
 
-    point, by_t, by_place, s, branch = chart(t, place)
-    radius = np.where(element == 0, s, 3.0 - s)
-    on = radius < 3.0
+    point, by_t, by_place, s, branch = at(t, place)
+    length = np.array([e.length for e in cutter.elements])[element]
+    on = (s > 1e-3) & (s < length - 1e-3)
     assert on.sum() > 20
-    g = envelope_points(source, FLAT, piece[on], t[on], element[on], s[on], branch[on])
-    assert np.allclose(g.point, point[on], atol=1e-9)
-    assert np.allclose((chart(t + d, place)[0] - chart(t - d, place)[0]) / (2 * d), by_t, atol=1e-6)
-    assert np.allclose((chart(t, place + d)[0] - chart(t, place - d)[0]) / (2 * d), by_place, atol=1e-6)
+    g = envelope_points(source, cutter, piece[on], t[on], element[on], s[on], branch[on])
+    assert np.allclose(g.point, point[on], atol=1e-8)
+    by_places = (at(t, place + d)[0] - at(t, place - d)[0]) / (2 * d)
+    size = 1.0 + np.linalg.norm(by_place, axis=1, keepdims=True) ** 3
+    assert np.nanmax((np.abs(by_places - by_place) / size)[on]) < 1e-5
+    # the angle's zero may turn about the axis meanwhile, which moves the point along by_place
+    along = by_place / np.linalg.norm(by_place, axis=1, keepdims=True)
+    rest = (at(t + d, place)[0] - at(t - d, place)[0]) / (2 * d) - by_t
+    rest -= np.sum(rest * along, axis=1, keepdims=True) * along
+    assert np.nanmax((np.abs(rest) / size)[on]) < 1e-5
+
+
+def test_a_circle_whose_effective_centre_stands_still_grazes_all_round(rng):
+    """A ring turned about a point of its axis: the inner flank's circle normal to that point cuts a sphere."""
+    source, n = path([0 * UP, 0 * UP], [UP, LEAN]), 60
+    angle = radians(10.0)
+    inside = 29.0 * cos(angle)  # distance of the flank from the tip, 29 mm from the axis in the tip plane
+    t, turn = rng.uniform(0.2, 0.8, n), rng.uniform(0.3, np.pi - 0.3, n)
+    axis = source.pose(np.zeros(n, dtype=int), t, 0).axis.value
+    side = np.cross(axis, [0.0, 1.0, 0.0])
+    u = np.cos(turn)[:, None] * [0.0, 1.0, 0.0] + np.sin(turn)[:, None] * side
+    out = -(cos(angle) * u + sin(angle) * axis)
+    rays = RayBundle(-(inside - 0.05) * out, -out, np.full(n, -0.04), np.full(n, 0.5))
+    road, first = machined_along(rays, [source], RING), first_removed(rays, source, RING)
+    assert np.allclose(first, 0.05, atol=1e-9)
+    assert np.allclose(road.deviation, first, atol=1e-8)
+    assert np.all(road.kind == Kind.ENVELOPE)
+
+
+@pytest.mark.parametrize("motion", ["oblique plunge", "rocking and sliding", "a stop on the way"])
+def test_both_roads_agree_on_a_wheel_wide_against_its_motion(motion, rng):
+    source = MOTIONS[motion]
+    rays = rays_at_the_tool(source, WHEEL, rng)
+    road, first = machined_along(rays, [source], WHEEL), first_removed(rays, source, WHEEL)
+    assert len(rays) > 10
+    assert np.allclose(road.deviation, first, atol=1e-8, equal_nan=True)
 
 
 def test_a_short_chord_through_the_standing_tool_is_not_missed():
