@@ -123,8 +123,10 @@ def _profile(axis: Axes, flank: FlankResult, scene: dict[str, Any]) -> None:
         published = np.array(published_um(reference, flank.side))
         axis.plot(offsets[order], published[order], "s:", color="0.5", label=f"{reference['source']} (sign turned)")
     axis.axhline(0.0, color="k", lw=0.6)
-    axis.set_yscale("symlog", linthresh=1e-3)
-    axis.set_title(f"{flank.side} flank, mean profile, own pass (logarithmic beyond 0.001 µm)")
+    ours = _largest(np.concatenate([normal, in_plane]))
+    axis.set_yscale("symlog", linthresh=ours)
+    axis.margins(y=0.15)
+    axis.set_title(f"{flank.side} flank, mean profile, own pass (logarithmic beyond {ours:.2g} µm)")
     axis.set_xlabel("height above the contact path [mm]")
     axis.set_ylabel("deviation [µm]")
     axis.legend(fontsize=8)
@@ -133,13 +135,15 @@ def _profile(axis: Axes, flank: FlankResult, scene: dict[str, Any]) -> None:
 def _section(
     axis: Axes, result: FlankMillingResult, measured: list[tuple[SampleGrid, Deviation]], scale: float
 ) -> None:
-    """Intended and machined profiles at mid-face in the mean point's profile plane."""
-    spine = result.tooth.spine(np.zeros(1), 0)
-    to_plane = np.column_stack([spine.y.value[0], spine.z.value[0]])
+    """Intended and machined profiles at mid-face, seen along the pitch cone's generator from the slot's middle."""
+    bottom = result.tooth.bottom
+    middle = bottom.jet(*bottom.locate(np.array([0.5]), np.array([0.5]))).r[0]
+    generator, up = bottom.blank.cone_directions(middle)
+    to_plane = np.column_stack([np.cross(up, generator), up])
     for number, (grid, deviation) in enumerate(measured):
-        middle = grid.shape[1] // 2
-        points = grid.point[:, middle] - spine.origin.value[0]
-        moved = points + scale * np.nan_to_num(deviation.value[:, middle])[:, None] * grid.normal[:, middle]
+        column = grid.shape[1] // 2
+        points = grid.point[:, column] - middle
+        moved = points + scale * np.nan_to_num(deviation.value[:, column])[:, None] * grid.normal[:, column]
         labels = ("intended", "machined") if number == 0 else (None, None)
         axis.plot(*(points @ to_plane).T, color="0.35", lw=2.5, label=labels[0])
         axis.plot(*(moved @ to_plane).T, color="tab:red", lw=1.2, label=labels[1])

@@ -180,7 +180,7 @@ def _draw_toolpaths(data: dict[str, NDArray], surfaces: dict[str, Any], file: Pa
         for a, b in zip(tip, tip + length * axis, strict=True):
             plotter.add_mesh(pv.Line(a, b), color=COLOURS[side], line_width=3)
         plotter.add_text(f"pass for the {side} flank", color="black", font_size=12)
-        look_into_slot(plotter, data["view:centre"], data, 84.0)
+        look_into_slot(plotter, data["view:centre"], data, 108.0)
     plotter.screenshot(str(file))
 
 

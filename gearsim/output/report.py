@@ -16,7 +16,7 @@ FILES = (
 PICTURES = {
     "slot.png": "The machined slot (tri-dexel), coloured by its deviation from the intended slot",
     "deviation.png": "Deviation maps, inspector's grid and mean profile, after all passes",
-    "profile.png": "Intended and machined profile in the plane of the mean point (Zhou's figure 4.16)",
+    "profile.png": "Intended and machined profile at mid-face (Zhou's figures 4.16 and 4.17)",
     "envelopes.png": "The cutter's untrimmed envelopes in the slot (figure 4.13)",
     "toolpaths.png": "Tool axis positions of the finish passes in the slot (figure 4.9)",
     "blanks.png": "Blanks of gear and pinion (figure 3.2)",
