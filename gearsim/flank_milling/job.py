@@ -15,8 +15,8 @@ from gearsim.motion.segments import SegmentTable, compile_motion, join
 from gearsim.motion.sources import CLMotion, MotionSource
 from gearsim.programs.cldata import RAPID, CLPath, CLProgram, apt_parameters, assemble, format_cl, parse_cl
 from gearsim.scene import FlankMillingScene
-from gearsim.surfaces.ruled_bevel import SIDES, RuledBevelTooth, Side
-from gearsim.toolpaths.flank import FlankPath
+from gearsim.surfaces.patch import Side, Tooth
+from gearsim.toolpaths.tangent import FlankPass
 
 
 @dataclass(frozen=True)
@@ -28,13 +28,13 @@ class Job:
     """
 
     scene: FlankMillingScene
-    tooth: RuledBevelTooth
+    tooth: Tooth
     cutter: Profile
     cl_text: str
     path_names: tuple[str, ...]
     paths: tuple[MotionSource, ...]
     path_tables: tuple[SegmentTable, ...]
-    planners: dict[Side, FlankPath]
+    planners: dict[Side, FlankPass]
     theory: dict[Side, FlankMotion]
 
     @property
@@ -80,13 +80,13 @@ def plan(scene: FlankMillingScene, folder: Path) -> Job:
     """
     tooth, cutter = scene.tooth(), scene.tool()
     table = scene.toolpath
-    planners: dict[Side, FlankPath] = {}
+    planners: dict[Side, FlankPass] = {}
     if table.file is not None:
         text = read_input(folder / table.file, "CL file")
         program = parse_cl(text, str(folder / table.file))
         _check_cutter(program, cutter, table.file)
     else:
-        planners = {side: FlankPath(tooth, side, cutter, table.run_mm) for side in SIDES}
+        planners = scene.planners()
         text = _planned_program(planners, cutter, scene)
         program = parse_cl(text, "planned CL data")
     sources = [CLMotion(p.tips, p.axes) for p in program.paths]
@@ -101,7 +101,7 @@ def plan(scene: FlankMillingScene, folder: Path) -> Job:
     return Job(scene, tooth, cutter, text, names, tuple(sources), tuple(tables), planners, theory)
 
 
-def _planned_program(planners: dict[Side, FlankPath], cutter: Profile, scene: FlankMillingScene) -> str:
+def _planned_program(planners: dict[Side, FlankPass], cutter: Profile, scene: FlankMillingScene) -> str:
     """Our own CL program as text; what is simulated is read back from it."""
     table = scene.toolpath
     passes = []

@@ -24,7 +24,7 @@ from gearsim.motion.segments import join
 from gearsim.programs.cldata import RAPID
 from gearsim.result import GEAR_FRAME, FlankMillingResult, Verdict, versions
 from gearsim.scene import scene_table
-from gearsim.surfaces.ruled_bevel import SIDES, Side
+from gearsim.surfaces.patch import SIDES, Side
 
 
 def measure(job: Job, machine_for: MachineFor, device: str) -> FlankMillingResult:

@@ -16,7 +16,7 @@ from gearsim.metrology.samples import SampleGrid, profile_rays, sample_grid
 from gearsim.metrology.topography import Topography, topography
 from gearsim.motion.segments import SegmentTable
 from gearsim.motion.sources import MotionSource
-from gearsim.surfaces.ruled_bevel import RuledBevelTooth, Side, ToothPatch
+from gearsim.surfaces.patch import Side, Tooth, ToothSurface
 
 
 @dataclass(frozen=True)
@@ -35,7 +35,7 @@ class FlankPlan:
     pass as CL data, ``program`` the whole program, ``others`` all of it but the own pass (None: nothing).
     """
 
-    patch: ToothPatch
+    patch: ToothSurface
     grid: SampleGrid
     inspection: SampleGrid
     contact_height: float
@@ -152,7 +152,7 @@ def measure_convergence(
 
 
 def measure_root(
-    machine: MeasuringMachine, tooth: RuledBevelTooth, program: SegmentTable, rows: int, columns: int,
+    machine: MeasuringMachine, tooth: Tooth, program: SegmentTable, rows: int, columns: int,
     margin: float, window: float,
 ) -> dict[str, PatchResult]:  # fmt: skip
     """Both fillets and the bottom land after all passes, by name."""

@@ -8,8 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gearsim.geometry.rays import RayBundle
-from gearsim.surfaces.patch import Patch
-from gearsim.surfaces.ruled_bevel import ToothPatch
+from gearsim.surfaces.patch import Patch, ToothSurface
 
 
 @dataclass(frozen=True)
@@ -77,16 +76,14 @@ def window_rays(patch: Patch, phi: NDArray, v: NDArray, direction: NDArray, wind
     return RayBundle(origin, direction, -inward, outward)
 
 
-def profile_rays(patch: ToothPatch, offsets: NDArray, contact_height: float) -> tuple[RayBundle, RayBundle]:
-    """Rays of the mean profile: at profile heights ``offsets`` [mm] from the contact height.
+def profile_rays(patch: ToothSurface, offsets: NDArray, contact_height: float) -> tuple[RayBundle, RayBundle]:
+    """Rays of the mean profile: at profile heights ``offsets`` [mm] from the contact height over the root cone.
 
     Zhou 2015, figure 4.15: the points L0 to L6 in the profile plane of the mean point. Returns the rays
     along the surface normal and those along the profile's normal in that plane.
     """
-    h = contact_height + np.asarray(offsets, dtype=float)
-    phi = np.zeros(len(h))
-    jet = patch.jet(phi, h)
-    across = patch.tooth.spine(phi, 0).x.value
-    in_plane = jet.normal - np.einsum("ij,ij->i", jet.normal, across)[:, None] * across
+    u, v, across = patch.mean_profile(contact_height, np.asarray(offsets, dtype=float))
+    normal = patch.jet(u, v).normal
+    in_plane = normal - (normal @ across)[:, None] * across
     in_plane /= np.linalg.norm(in_plane, axis=1, keepdims=True)
-    return window_rays(patch, phi, h, jet.normal), window_rays(patch, phi, h, in_plane)
+    return window_rays(patch, u, v, normal), window_rays(patch, u, v, in_plane)

@@ -45,14 +45,13 @@ def grid_columns(grid: SampleGrid, curvature: Curvature) -> dict[str, NDArray[An
 
 def flank_columns(result: FlankMillingResult, flank: FlankResult) -> dict[str, NDArray[Any]]:
     """Every dense sample of one flank, one row each."""
-    grid, n = flank.grid, flank.grid.phi.size
-    curvature = grid.patch.jet(grid.phi.ravel(), grid.v.ravel()).curvature()
+    grid, n, patch = flank.grid, flank.grid.phi.size, result.tooth.flank(flank.side)
+    curvature = patch.jet(grid.phi.ravel(), grid.v.ravel()).curvature()
     road = flank.gap_cl.road
     k1, k2 = _machined_curvature(result, flank)
     out: dict[str, NDArray[Any]] = {
         "flank": np.full(n, flank.side),
-        "phi_rad": grid.phi,
-        "profile_height_mm": grid.v,
+        **dict(zip(patch.parameters, (grid.phi, grid.v), strict=True)),
         **grid_columns(grid, curvature),
     }
     if flank.own is not None:

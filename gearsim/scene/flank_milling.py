@@ -1,4 +1,4 @@
-"""Scenes that flank-mill a ruled spiral bevel gear."""
+"""Scenes that flank-mill a spiral bevel gear, its tooth ruled or as a face-mill head generates it."""
 
 from __future__ import annotations
 
@@ -9,10 +9,15 @@ from typing import Literal
 from pydantic import Field, model_validator
 
 from gearsim.cutters.profile import Profile
-from gearsim.scene.bevel import BevelBlankTable
+from gearsim.scene.bevel import BevelBlankTable, GeneratorTable
 from gearsim.scene.catalogue import AnyCutter
 from gearsim.scene.tables import Angle, Count, Length, LengthOrZero, Scene, Table
+from gearsim.surfaces.face_milled import FaceMilledTooth
+from gearsim.surfaces.patch import SIDES, Side, Tooth
 from gearsim.surfaces.ruled_bevel import RuledBevelTooth
+from gearsim.toolpaths.face_milled import GeneratedFlankPath
+from gearsim.toolpaths.flank import FlankPath
+from gearsim.toolpaths.tangent import FlankPass
 
 
 class RuledBevelTable(BevelBlankTable):
@@ -34,6 +39,30 @@ class RuledBevelTable(BevelBlankTable):
             self.bottom_half_width_mm, self.fillet_radius_mm, radians(self.pressure_angle_deg),
             radians(self.start_angle_deg),
         )  # fmt: skip
+
+    def planner(self, side: Side, cutter: Profile, run: float) -> FlankPass:
+        """The pass that finishes one flank; ``run`` [mm] goes beyond toe and heel."""
+        return FlankPath(self.build(), side, cutter, run)
+
+
+class FaceMilledFlankTable(BevelBlankTable):
+    """Table [surface] of kind ``face-milled-flank``: the tooth that a face-mill head leaves, cut by another tool.
+
+    ``head`` and ``generator`` define the intended tooth and cut nothing; ``generated`` as in ``face-milled``.
+    """
+
+    kind: Literal["face-milled-flank"]
+    generated: bool = True
+    head: AnyCutter
+    generator: GeneratorTable
+
+    def build(self) -> FaceMilledTooth:
+        return FaceMilledTooth(self.blank(), self.head.build(), self.generator.build(), self.generated)
+
+    def planner(self, side: Side, cutter: Profile, run: float) -> FlankPass:
+        """The pass that finishes one flank; ``run`` [mm] goes beyond toe and heel."""
+        tooth = self.build()
+        return GeneratedFlankPath(tooth.flank(side), cutter, tooth.blade_start(side), run)
 
 
 class ToolpathTable(Table):
@@ -81,19 +110,25 @@ class ReferenceTable(Table):
 
 
 class FlankMillingScene(Scene):
-    """A scene that flank-mills a ruled spiral bevel gear."""
+    """A scene that flank-mills a spiral bevel gear."""
 
-    surface: RuledBevelTable
+    surface: RuledBevelTable | FaceMilledFlankTable = Field(discriminator="kind")
     cutter: AnyCutter
     toolpath: ToolpathTable = ToolpathTable()
     metrology: MetrologyTable
     reference: ReferenceTable | None = None
 
-    def tooth(self) -> RuledBevelTooth:
+    def tooth(self) -> Tooth:
         return self.surface.build()
 
     def tool(self) -> Profile:
-        return self.cutter.build()
+        profile: Profile = self.cutter.build()
+        return profile
+
+    def planners(self) -> dict[Side, FlankPass]:
+        """Our planner's pass for each flank."""
+        cutter = self.tool()
+        return {side: self.surface.planner(side, cutter, self.toolpath.run_mm) for side in SIDES}
 
     def builders(self) -> tuple[Callable[[], object], ...]:
         return (self.tooth, self.tool)

@@ -19,6 +19,7 @@ from gearsim.scene.tables import Scene, Table
 
 SCENES: dict[str, type[Scene]] = {
     "ruled-bevel": FlankMillingScene,
+    "face-milled-flank": FlankMillingScene,
     "envelope": EnvelopeScene,
     "face-milled": FaceMillingScene,
     "hypoid-pinion": HypoidScene,

@@ -21,8 +21,8 @@ from gearsim.geometry.pose import PoseSeries
 from gearsim.machines.generator import CradleGenerator
 from gearsim.surfaces.blank import BevelBlank
 from gearsim.surfaces.generated import Envelope, HeadSurface, Sheet
-from gearsim.surfaces.ruled_bevel import Side
-from gearsim.surfaces.slot_patch import GeneratedPatch, Part, face_run
+from gearsim.surfaces.patch import Part, Side
+from gearsim.surfaces.slot_patch import GeneratedPatch, face_run
 
 _SEARCH = pi / 3.0
 """Cradle angles [rad] to either side of the centre among which a tooth is looked for."""
@@ -89,6 +89,11 @@ class FaceMilledTooth:
     @staticmethod
     def _element(part: Part, side: Side) -> int:
         return 0 if part == "bottom" else {"flank": (2, 4), "fillet": (1, 5)}[part][side == "convex"]
+
+    def blade_start(self, side: Side) -> float:
+        """Height [mm] over the tip plane at which the blade's edge radius ends and its straight flank begins."""
+        element = self.head.elements[self._element("flank", side)]
+        return float(min(element.start[1], element.end[1]))
 
     def flank(self, side: Side) -> GeneratedPatch:
         """The working flank of one side."""

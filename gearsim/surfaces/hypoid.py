@@ -22,8 +22,8 @@ from gearsim.geometry.pose import FrameSeries
 from gearsim.surfaces.blank import BevelBlank
 from gearsim.surfaces.face_milled import FaceMilledTooth
 from gearsim.surfaces.generated import Sheet
-from gearsim.surfaces.ruled_bevel import Side
-from gearsim.surfaces.slot_patch import GeneratedPatch, Part
+from gearsim.surfaces.patch import Part, Side
+from gearsim.surfaces.slot_patch import GeneratedPatch
 
 
 @dataclass(frozen=True)

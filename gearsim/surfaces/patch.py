@@ -2,12 +2,17 @@
 
 from __future__ import annotations
 
-from typing import Protocol
+from collections.abc import Sequence
+from typing import Literal, Protocol
 
 from numpy.typing import NDArray
 
 from gearsim.geometry.jets import Curvature
 from gearsim.surfaces.blank import BevelBlank
+
+Side = Literal["convex", "concave"]
+SIDES: tuple[Side, Side] = ("convex", "concave")
+Part = Literal["flank", "fillet", "bottom"]
 
 
 class Jet(Protocol):
@@ -54,3 +59,49 @@ class Patch(Protocol):
     def windows(self, u: NDArray, v: NDArray) -> tuple[NDArray, NDArray]:
         """How far [mm] to look for the machined surface, into the material and out of it."""
         ...
+
+
+class ToothSurface(Patch, Protocol):
+    """One part of a bevel gear's tooth slot."""
+
+    @property
+    def blank(self) -> BevelBlank: ...
+
+    @property
+    def part(self) -> Part: ...
+
+    @property
+    def side(self) -> Side: ...
+
+    @property
+    def parameters(self) -> tuple[str, str]:
+        """What u and v are called in tables, with their units where they have one."""
+        ...
+
+    def mean_profile(self, contact_height: float, offsets: NDArray) -> tuple[NDArray, NDArray, NDArray]:
+        """The flank's profile in the plane of its mean point, normal to the pitch cone's generator there.
+
+        The mean point stands ``contact_height`` [mm] over the root cone at the mean cone distance; ``offsets``
+        [mm], shape (n,), count from it along the pitch cone's normal. Returns u and v, shape (n,), and the
+        plane's unit normal, shape (3,).
+        """
+        ...
+
+
+class Tooth(Protocol):
+    """A tooth slot of a bevel gear."""
+
+    @property
+    def blank(self) -> BevelBlank: ...
+
+    @property
+    def patches(self) -> Sequence[ToothSurface]:
+        """The whole slot, from the concave tip down and up to the convex tip."""
+        ...
+
+    @property
+    def bottom(self) -> ToothSurface: ...
+
+    def flank(self, side: Side) -> ToothSurface: ...
+
+    def fillet(self, side: Side) -> ToothSurface: ...

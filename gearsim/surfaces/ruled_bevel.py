@@ -20,9 +20,7 @@ from gearsim.geometry import series
 from gearsim.geometry.jets import SurfaceJet
 from gearsim.geometry.series import Series
 from gearsim.surfaces.blank import BevelBlank
-
-Side = Literal["convex", "concave"]
-SIDES: tuple[Side, Side] = ("convex", "concave")
+from gearsim.surfaces.patch import Part, Side
 
 
 class Spine(NamedTuple):
@@ -163,7 +161,7 @@ class ToothPatch:
     """One part of the slot as a surface r(phi, v): ``flank``, ``fillet`` or ``bottom``."""
 
     tooth: RuledBevelTooth
-    part: Literal["flank", "fillet", "bottom"]
+    part: Part
     side: Side
 
     @property
@@ -177,11 +175,21 @@ class ToothPatch:
         return self.tooth.blank
 
     @property
+    def parameters(self) -> tuple[str, str]:
+        """What phi and v of a flank are called in tables."""
+        return "phi_rad", "profile_height_mm"
+
+    @property
     def start(self) -> float:
         """The v [mm or rad] at which the patch begins."""
         return {"flank": self.tooth.fillet_height, "fillet": 0.0, "bottom": -self.tooth.bottom_half_width}[self.part]
 
-    def profile(self, v: Series) -> tuple[Series, Series]:
+    def mean_profile(self, contact_height: float, offsets: NDArray) -> tuple[NDArray, NDArray, NDArray]:
+        """phi, v and the plane's normal of the flank's profile where phi is 0: see `ToothSurface`."""
+        height = contact_height + np.asarray(offsets, dtype=float)
+        return np.zeros(len(height)), height, self.tooth.spine(np.zeros(1), 0).x.value[0]
+
+    def section(self, v: Series) -> tuple[Series, Series]:
         """The profile curve (y, z) [mm] in its plane as series in v (Zhou 3.32, 3.34)."""
         tooth, sign = self.tooth, self.tooth.side_sign(self.side)
         if self.part == "flank":
@@ -196,7 +204,7 @@ class ToothPatch:
         """Points and derivatives, each of shape (n, 3), at parameters phi [rad] and v, shape (n,)."""
         phi, v = np.broadcast_arrays(np.asarray(phi, dtype=float), np.asarray(v, dtype=float))
         spine = self.tooth.spine(phi, 2)
-        y, z = (s.column.derivatives() for s in self.profile(Series.variable(v, 2)))
+        y, z = (s.column.derivatives() for s in self.section(Series.variable(v, 2)))
         o, ey, ez = (s.derivatives() for s in (spine.origin, spine.y, spine.z))
         lengthwise = [o[k] + y[0] * ey[k] + z[0] * ez[k] for k in range(3)]
         return SurfaceJet(

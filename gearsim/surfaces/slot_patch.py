@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from functools import cached_property
 from math import cos, pi, sin
-from typing import Literal, NamedTuple, Protocol
+from typing import NamedTuple, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,13 +13,13 @@ from numpy.typing import NDArray
 from gearsim.errors import InputError
 from gearsim.surfaces.blank import BevelBlank
 from gearsim.surfaces.generated import GeneratedJet, Sheet
-from gearsim.surfaces.ruled_bevel import Side
+from gearsim.surfaces.patch import Part, Side
 
-Part = Literal["flank", "fillet", "bottom"]
 _STEPS = 60
 _WALK = 12
 _SCAN = 721
 _SETTLED = 1e-12
+_FOUND = 1e-9
 
 
 class FaceRun(NamedTuple):
@@ -82,6 +82,11 @@ class GeneratedPatch:
         """The gear blank the tooth is cut into."""
         return self.tooth.blank
 
+    @property
+    def parameters(self) -> tuple[str, str]:
+        """What u and v are called in tables."""
+        return "u", "arc_length_mm"
+
     @cached_property
     def sheet(self) -> Sheet:
         """The surface without its limits on the blank."""
@@ -131,6 +136,12 @@ class GeneratedPatch:
         """
         return self._solve(cone, above, by_height=True)
 
+    def seek(self, cone: NDArray, above: NDArray, near: tuple[NDArray, NDArray]) -> tuple[NDArray, NDArray]:
+        """As `meet`, from parameters ``near`` the points; nan where these lead to none."""
+        u, v, moved = self._settle(*near, cone, above, by_height=True, walk=1)
+        found = moved < _FOUND
+        return np.where(found, u, np.nan), np.where(found, v, np.nan)
+
     def profile(self, cone: float, above: float, offsets: NDArray) -> tuple[NDArray, NDArray, NDArray]:
         """The profile in the plane through one point, normal to the pitch cone's generator there.
 
@@ -147,6 +158,11 @@ class GeneratedPatch:
             du, dv = _solve2(generator, up, at, e, f)
             u, v = u + du, v + dv
         return u, v, generator[0]
+
+    def mean_profile(self, contact_height: float, offsets: NDArray) -> tuple[NDArray, NDArray, NDArray]:
+        """u, v and the plane's normal of the profile through the mean point: see `ToothSurface`."""
+        mean = self.blank.mean
+        return self.profile(mean, contact_height - float(self.blank.dedendum_at(mean)), offsets)
 
     def windows(self, u: NDArray, v: NDArray) -> tuple[NDArray, NDArray]:
         """Half the tooth's thickness and half the slot's width [mm] about points, shape (n,).
@@ -199,25 +215,35 @@ class GeneratedPatch:
     def _solve(self, cone: NDArray, target: NDArray, by_height: bool) -> tuple[NDArray, NDArray]:
         """Points of given cone distance and v, or height over the pitch cone instead of v.
 
-        Newton's method led from the middle of the profile to the target in steps, since an envelope may not
-        exist at one height of the profile where it does at another.
+        Led from the middle of the profile to the target in steps, since an envelope may not exist at one height
+        of the profile where it does at another.
         """
         u, v = np.interp(cone, self._run.cone, self._run.u), np.full(cone.shape, self._middle)
-        first = self.blank.cone_height(self.jet(u, v).r)[1] if by_height else v
-        for i in range(_STEPS):
-            share = min(1.0, (i + 1) / _WALK)
-            du, dv, moved = self._step(u, v, cone, first + share * (target - first), by_height)
-            u, v = u + du, v + dv
-            if share == 1.0 and not moved.max(initial=0.0) >= _SETTLED * self.blank.cone_distance:
-                break
-        if not moved.max(initial=0.0) < 1e-9:
-            bad = int(np.argmax(~(moved < 1e-9)))
+        u, v, moved = self._settle(u, v, cone, target, by_height, _WALK)
+        if not moved.max(initial=0.0) < _FOUND:
+            bad = int(np.argmax(~(moved < _FOUND)))
             height = "over the pitch cone" if by_height else "along the profile"
             raise InputError(
                 f"the generated {self.name} does not reach cone distance {cone[bad]:.4g} mm at "
                 f"{target[bad]:.4g} mm {height}: the head leaves the slot, or the motion has no envelope there"
             )
         return u, v
+
+    def _settle(
+        self, u: NDArray, v: NDArray, cone: NDArray, target: NDArray, by_height: bool, walk: int
+    ) -> tuple[NDArray, NDArray, NDArray]:
+        """Newton's method from (u, v), the target reached in ``walk`` steps.
+
+        Returns u, v and how far [mm] the last step moved the points: nan or much where there are none.
+        """
+        first = self.blank.cone_height(self.jet(u, v).r)[1] if by_height else v
+        for i in range(_STEPS):
+            share = min(1.0, (i + 1) / walk)
+            du, dv, moved = self._step(u, v, cone, first + share * (target - first), by_height)
+            u, v = u + du, v + dv
+            if share == 1.0 and not (moved >= _SETTLED * self.blank.cone_distance).any():
+                break
+        return u, v, moved
 
     def _step(
         self, u: NDArray, v: NDArray, cone: NDArray, target: NDArray, by_height: bool

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 from math import cos, sin, tan
 
 import numpy as np
@@ -13,8 +14,11 @@ from gearsim.geometry import series
 from gearsim.geometry.pose import PoseSeries
 from gearsim.geometry.series import Series
 from gearsim.motion.sources import CLMotion, CurveMotion
+from gearsim.surfaces.patch import SIDES
 from gearsim.surfaces.slot_patch import GeneratedPatch
-from gearsim.toolpaths.tangent import cl_points, tangent_pose
+from gearsim.toolpaths.tangent import check_mouth, cl_points, tangent_pose
+
+_STATIONS = 65
 
 
 @dataclass(frozen=True)
@@ -35,9 +39,12 @@ class GeneratedFlankPath:
 
     @property
     def motion(self) -> CurveMotion:
-        """The theoretical motion over the face and its run-in and run-out."""
-        blank = self.patch.blank
-        return CurveMotion(self.poses, blank.toe - self.run, blank.cone_distance + self.run)
+        """The theoretical motion over the face and its run-in and run-out.
+
+        Raises InputError where the flank, prolonged, does not reach that far.
+        """
+        cone = self._track[0]
+        return CurveMotion(self.poses, float(cone[0]), float(cone[-1]))
 
     def cl_motion(self, points: int) -> CLMotion:
         """The path as CL data with ``points`` points over the face, the run at the same spacing."""
@@ -48,7 +55,10 @@ class GeneratedFlankPath:
         return np.asarray(self.patch.blank.mid_working_depth_at(cone)) - self.patch.blank.dedendum_at(cone)
 
     def poses(self, cone: NDArray, order: int) -> PoseSeries:
-        """Tip and axis as series in the contact's cone distance [mm], shape (n,) (Zhou 4.24-4.27)."""
+        """Tip and axis as series in the contact's cone distance [mm], shape (n,) (Zhou 4.24-4.27).
+
+        nan where the flank, prolonged, does not reach that cone distance.
+        """
         blank = self.patch.blank
         contact, normal = self._contact(np.asarray(cone, dtype=float), order)
         generator, up = self._cone_frame(contact)
@@ -58,6 +68,25 @@ class GeneratedFlankPath:
         depth = Series.variable(cone, order) * self._slope + float(blank.mid_working_depth_at(0.0))
         distance = (depth - self.start_height) / (rise * sense)
         return tangent_pose(self.cutter, contact, rule * sense[:, None], -normal, distance)
+
+    def check_passage(self) -> None:
+        """Raise InputError where the cutter would cut the next tooth's tip away (`check_mouth`)."""
+        blank, length = self.patch.blank, np.linspace(0.0, 1.0, _STATIONS)
+        cone = blank.toe + blank.face_width * length
+        tips = [(wall, wall.locate(length, np.ones(_STATIONS))) for wall in map(self.patch.tooth.flank, SIDES)]
+        mouth = np.mean([wall.jet(*at).r for wall, at in tips], axis=0)
+        half_land, half_mouth = self.patch.windows(*tips[SIDES.index(self.patch.side)][1])
+        check_mouth(self.cutter, self.poses(cone, 0), mouth, cone, half_land, half_mouth)
+
+    @cached_property
+    def _track(self) -> NDArray:
+        """Cone distance [mm] and the flank's parameters along the contact path, shape (3, n).
+
+        Raises InputError where the flank, prolonged, does not reach that far.
+        """
+        blank = self.patch.blank
+        cone = np.linspace(blank.toe - self.run, blank.cone_distance + self.run, _STATIONS)
+        return np.stack([cone, *self.patch.meet(cone, self.contact_height(cone))])
 
     @property
     def _slope(self) -> float:
@@ -72,7 +101,9 @@ class GeneratedFlankPath:
         makes one more order of cone distance and height come right.
         """
         blank, target = self.patch.blank, Series.variable(cone, order)
-        u0, v0 = self.patch.meet(cone, self.contact_height(cone))
+        along, *track = self._track
+        near = (np.interp(cone, along, track[0]), np.interp(cone, along, track[1]))
+        u0, v0 = self.patch.seek(cone, self.contact_height(cone), near)
         jet = self.patch.jet(u0, v0)
         generator, up = (s.value for s in self._cone_frame(Series(jet.r[None])))
         a, b, c, d = (np.sum(p * q, axis=1) for p in (generator, up) for q in (jet.ru, jet.rv))

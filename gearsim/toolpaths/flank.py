@@ -9,12 +9,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gearsim.cutters.profile import Profile
-from gearsim.errors import InputError
 from gearsim.geometry import series
 from gearsim.geometry.pose import PoseSeries
 from gearsim.motion.sources import CLMotion, CurveMotion
-from gearsim.surfaces.ruled_bevel import RuledBevelTooth, Side
-from gearsim.toolpaths.tangent import cl_points, tangent_pose
+from gearsim.surfaces.patch import Side
+from gearsim.surfaces.ruled_bevel import RuledBevelTooth
+from gearsim.toolpaths.tangent import check_mouth, cl_points, tangent_pose
+
+_STATIONS = 65
 
 
 @dataclass(frozen=True)
@@ -64,27 +66,12 @@ class FlankPath:
         toe, heel = self.tooth.phi_at(np.array([self.tooth.blank.toe, self.tooth.blank.cone_distance]))
         return cl_points(self.motion, float(toe), float(heel), points)
 
-    def check_passage(self, samples: int = 65) -> None:
-        """Raise InputError where the cutter is so wide that it would cut the next tooth's tip away.
-
-        Compares the cutter's diameter at the mouth of the slot with the distance between the tip edges,
-        normal to the lengthwise curve; less than half the next tooth's tip land may be cut.
-        """
+    def check_passage(self) -> None:
+        """Raise InputError where the cutter would cut the next tooth's tip away (`check_mouth`)."""
         blank = self.tooth.blank
-        phi = self.tooth.phi_at(np.linspace(blank.toe, blank.cone_distance, samples))
+        phi = self.tooth.phi_at(np.linspace(blank.toe, blank.cone_distance, _STATIONS))
         spine = self.tooth.spine(phi, 1)
         depth = np.asarray(blank.whole_depth_at(spine.cone.value))
         half_land, half_mouth = self.tooth.flank(self.side).windows(phi, depth)
-        pose = self.poses(phi, 0)
         mouth = spine.origin.value + spine.z.value * depth[:, None]
-        height = ((mouth - pose.tip.value) * pose.axis.value).sum(1)
-        width = np.array([2.0 * self.cutter.radius_at(min(h, self.cutter.height)) for h in height])
-        excess = width - 2.0 * half_mouth - half_land
-        worst = int(np.argmax(excess))
-        if excess[worst] > 0.0:
-            raise InputError(
-                "the cutter cannot pass between the tip edges: at cone distance "
-                f"{spine.cone.value[worst]:.2f} mm it is {width[worst]:.2f} mm wide at the slot's mouth of "
-                f"{2.0 * half_mouth[worst]:.2f} mm, and would cut the next tooth's tip away; "
-                "choose a smaller bottom radius, fillet or taper"
-            )
+        check_mouth(self.cutter, self.poses(phi, 0), mouth, spine.cone.value, half_land, half_mouth)

@@ -9,7 +9,7 @@ from gearsim.errors import InputError
 from gearsim.machines.generator import CradleGenerator
 from gearsim.metrology.samples import sample_grid
 from gearsim.surfaces.face_milled import FaceMilledTooth
-from gearsim.surfaces.ruled_bevel import SIDES
+from gearsim.surfaces.patch import SIDES
 from tests.conftest import make_tooth
 
 MEAN_RADIUS, POINT_WIDTH, ANGLE, EDGE = 63.5, 2.54, radians(22.0), 1.524

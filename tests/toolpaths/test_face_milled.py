@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 from gearsim.errors import InputError
-from gearsim.surfaces.ruled_bevel import SIDES
+from gearsim.surfaces.patch import SIDES
 from gearsim.toolpaths.face_milled import GeneratedFlankPath
 from tests.surfaces.test_face_milled import ANGLE, EDGE, ROLL, SETTINGS, make_face_milled
 

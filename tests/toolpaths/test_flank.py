@@ -5,7 +5,7 @@ import pytest
 
 from gearsim.cutters.catalogue import conical
 from gearsim.errors import InputError
-from gearsim.surfaces.ruled_bevel import SIDES
+from gearsim.surfaces.patch import SIDES
 from gearsim.toolpaths.flank import FlankPath
 
 PHI = np.linspace(-0.2, 0.2, 9)

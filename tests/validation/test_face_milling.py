@@ -13,7 +13,7 @@ from gearsim.metrology.samples import sample_grid
 from gearsim.motion.segments import compile_motion
 from gearsim.motion.sources import CurveMotion
 from gearsim.simulation.removal import cut
-from gearsim.surfaces.ruled_bevel import SIDES
+from gearsim.surfaces.patch import SIDES
 from gearsim.toolpaths.face_milled import GeneratedFlankPath
 from tests.helpers import conical_distance
 from tests.surfaces.test_face_milled import ANGLE, EDGE, MEAN_RADIUS, POINT_WIDTH, ROLL, SETTINGS, make_face_milled

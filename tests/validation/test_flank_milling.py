@@ -18,7 +18,7 @@ from gearsim.metrology.samples import sample_grid
 from gearsim.motion.segments import compile_motion, join
 from gearsim.motion.sources import CLMotion, MovedMotion
 from gearsim.simulation.removal import cut
-from gearsim.surfaces.ruled_bevel import SIDES
+from gearsim.surfaces.patch import SIDES
 from gearsim.toolpaths.flank import FlankPath
 from tests.conftest import make_tooth, random_rotation
 from tests.helpers import conical_distance, slerp
