@@ -41,7 +41,7 @@ class CircularSeries(NamedTuple):
     cosine: Series
 
 
-class FrameSeries(NamedTuple):
+class MovingFrame(NamedTuple):
     """A moving frame as series in the motion's parameter: x -> rotation @ x + origin, workpiece frame.
 
     ``origin`` [mm] has coefficients of shape (n, 3), ``rotation`` of shape (n, 3, 3).
@@ -136,7 +136,7 @@ def require_admissible(h: NDArray, family: CircularSeries) -> None:
             raise InputError(f"no specific circular surface: {relation} fails at h = {h[i]:g} by {miss[i]:.3g}")
 
 
-def circular_grazing(surface: CircularSurface, h: NDArray, frame: FrameSeries, branch: NDArray) -> Grazing:
+def circular_grazing(surface: CircularSurface, h: NDArray, frame: MovingFrame, branch: NDArray) -> Grazing:
     """Closed-form grazing points with first derivatives by h (as ``_s``) and by the motion (``_t``).
 
     ``h`` and ``branch`` (+1 or -1, the sign of n . (T x v_q)) have shape (n,); ``frame`` is of order 2 or

@@ -3,14 +3,11 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from math import cos, radians, sin, tan
 
 import numpy as np
 from numpy.typing import NDArray
 
-from gearsim.cutters.catalogue import apt
 from gearsim.cutters.profile import Profile
-from gearsim.machines.catalogue import head_head_cb
 from gearsim.machines.chain import Machine
 from gearsim.machines.inverse import reach_tip
 from gearsim.motion.axes import AxisMotion, TipMotion
@@ -59,30 +56,3 @@ class NCStep:
         slides = len(self.machine.joints) - self.rotary.shape[1]
         values = np.hstack([np.zeros((2, slides)), self.rotary])
         return AxisMotion(self.machine, reach_tip(self.machine, values, self.tips))
-
-
-def zhou_apt_step(pivot_length: float = 200.0) -> NCStep:
-    """Zhou's first example (2015, section 4.1.3, figure 4.5): an APT cutter on the C/B head.
-
-    The head's ``pivot_length`` [mm] is ours; it moves nothing but ``nc_axes``.
-    """
-    cutter = _five_parameter_apt(45.0, 10.0, 3.0, radians(10.0), radians(10.0))
-    return _step(cutter, pivot_length, (50.0, 50.0, 10.0), 18.0, 18.0)
-
-
-def zhou_flat_step(pivot_length: float = 200.0) -> NCStep:
-    """Zhou's second example (2015, section 4.1.3, figure 4.6): a flat end mill; see ``zhou_apt_step``."""
-    cutter = _five_parameter_apt(35.0, 15.0, 0.0, 0.0, 0.0)
-    return _step(cutter, pivot_length, (60.0, 60.0, 10.0), 18.0, 27.0)
-
-
-def _step(cutter: Profile, pivot_length: float, end: tuple[float, float, float], b_deg: float, c_deg: float) -> NCStep:
-    rotary = np.radians([[0.0, 0.0], [b_deg, c_deg]])
-    return NCStep(cutter, head_head_cb(pivot_length), np.array([(0.0, 0.0, 0.0), end]), rotary)
-
-
-def _five_parameter_apt(height: float, e: float, r: float, upper: float, lower: float) -> Profile:
-    """APT cutter from Zhou's {H, R_l, R_t, psi_u, psi_l} (figure 4.1): the corner's tangency settles d and f."""
-    f = r / cos(lower) + e * tan(lower)
-    meet = (e + r * cos(upper) - (f - r * sin(upper)) * tan(upper)) / (1.0 - tan(lower) * tan(upper))
-    return apt(2.0 * meet, r, e, f, lower, upper, height)

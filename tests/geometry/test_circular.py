@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from gearsim.errors import InputError
-from gearsim.geometry.circular import CircularSeries, FrameSeries, canal, circular_grazing, revolution, tube
+from gearsim.geometry.circular import CircularSeries, MovingFrame, canal, circular_grazing, revolution, tube
 from gearsim.geometry.grazing import MeridianPoints, PoseJet, grazing_points
 from gearsim.geometry.jets import SurfaceJet
 from gearsim.geometry.series import Series
@@ -37,7 +37,7 @@ def frame(t):
     flat = origin * [1.0, 1.0, 0.0]
     o1 = SCREW * flat @ z.T + np.array([0.0, 0.0, PITCH])
     o2 = SCREW**2 * flat @ z.T @ z.T
-    return FrameSeries(Series(np.stack([origin, o1, 0.5 * o2])), Series(np.stack([r, r1, 0.5 * r2])))
+    return MovingFrame(Series(np.stack([origin, o1, 0.5 * o2])), Series(np.stack([r, r1, 0.5 * r2])))
 
 
 def spine(h, order=0):
@@ -220,7 +220,7 @@ def test_a_tube_that_moves_along_its_circles_normal_or_not_at_all_has_no_grazing
     turn = Series(np.stack([np.tile(np.eye(3), (n, 1, 1))] + 2 * [np.zeros((n, 3, 3))]))
     straight = tube(lambda h, order: Series(np.stack([Series.variable(h, order).c] * 3, axis=-1)), 1.0)
     for velocity, expected in (((2.0, 2.0, 2.0), False), ((0.0, 0.0, 0.0), False), ((1.0, 0.0, 0.0), True)):
-        f = FrameSeries(Series(np.stack([still, np.tile(velocity, (n, 1)), still])), turn)
+        f = MovingFrame(Series(np.stack([still, np.tile(velocity, (n, 1)), still])), turn)
         with np.errstate(all="raise"):
             g = circular_grazing(straight, h, f, np.ones(n))
         assert np.all(g.exists == expected)
