@@ -79,6 +79,19 @@ def test_impossible_geometry_is_told_for_tooth_and_cutter_together(tables):
         check_scene(tables, "x")
 
 
+def test_mistakes_in_tables_within_a_table_are_placed():
+    mistakes = ["surface.head.radius_m=63.5", "surface.generator.ratio_of_rol=1.0", "surface.hand=left"]
+    with pytest.raises(InputError) as error:
+        load_scene("spiral-bevel-flank-conventional", mistakes)
+    assert "3 mistakes" in str(error.value)
+    assert "surface.head.radius_m: unknown key; did you mean 'radius_mm'?" in str(error.value)
+    assert "surface.generator.ratio_of_rol: unknown key; did you mean 'ratio_of_roll'?" in str(error.value)
+    tables = tomllib.loads(scene_text("spiral-bevel-flank-conventional")[0])
+    tables["surface"]["head"] = tables["cutter"]
+    with pytest.raises(InputError, match="no face-mill head"):
+        check_scene(tables, "x")
+
+
 def test_overrides_are_read_as_toml():
     scene, _ = load_scene(
         "spiral-bevel-flank", ["metrology.rows=9", "surface.hand=right", "metrology.convergence=[9, 17]"]

@@ -81,9 +81,9 @@ class ToothSurface(Patch, Protocol):
     def mean_profile(self, contact_height: float, offsets: NDArray) -> tuple[NDArray, NDArray, NDArray]:
         """The flank's profile in the plane of its mean point, normal to the pitch cone's generator there.
 
-        The mean point stands ``contact_height`` [mm] over the root cone at the mean cone distance; ``offsets``
-        [mm], shape (n,), count from it along the pitch cone's normal. Returns u and v, shape (n,), and the
-        plane's unit normal, shape (3,).
+        ``contact_height`` [mm] is the mean point's over the root at the mean cone distance; ``offsets`` [mm], shape
+        (n,), count from it along the pitch cone's normal. Returns u and v, shape (n,), and the plane's unit normal,
+        shape (3,).
         """
         ...
 

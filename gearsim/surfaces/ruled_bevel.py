@@ -185,7 +185,10 @@ class ToothPatch:
         return {"flank": self.tooth.fillet_height, "fillet": 0.0, "bottom": -self.tooth.bottom_half_width}[self.part]
 
     def mean_profile(self, contact_height: float, offsets: NDArray) -> tuple[NDArray, NDArray, NDArray]:
-        """phi, v and the plane's normal of the flank's profile where phi is 0: see `ToothSurface`."""
+        """phi, v and the plane's normal: see `ToothSurface`.
+
+        The plane stands on the lengthwise curve's mean point, where phi is 0.
+        """
         height = contact_height + np.asarray(offsets, dtype=float)
         return np.zeros(len(height)), height, self.tooth.spine(np.zeros(1), 0).x.value[0]
 

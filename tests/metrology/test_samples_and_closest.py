@@ -1,8 +1,11 @@
 import numpy as np
 import pytest
+from scipy.optimize import fsolve
 
 from gearsim.metrology.closest import signed_distance
 from gearsim.metrology.samples import profile_rays, sample_grid
+from gearsim.surfaces.patch import SIDES
+from tests.surfaces.test_face_milled import make_face_milled
 
 
 def test_the_inspection_grid_keeps_its_margins(tooth):
@@ -46,15 +49,43 @@ def test_rays_run_along_the_normals_row_by_row(tooth):
     assert np.array_equal(rays.start[5], -grid.inward[1, 1])
 
 
-def test_profile_points_lie_in_the_mean_plane_at_their_heights(tooth):
-    patch = tooth.flank("convex")
-    normal, in_plane = profile_rays(patch, np.array([0.0, 0.5, -3.0]), 4.366)
-    spine = tooth.spine(np.zeros(1), 0)
-    q = normal.origin - spine.origin.value[0]
-    assert np.allclose(q @ spine.x.value[0], 0.0, atol=1e-12)
-    assert np.allclose(q @ spine.z.value[0], [4.366, 4.866, 1.366])
-    assert np.allclose(in_plane.direction @ spine.x.value[0], 0.0, atol=1e-12)
+def section(patch, origin, across, up, heights):
+    """Flank points in the plane through ``origin`` at heights along ``up``, by MINPACK from height to height."""
+    at, points = np.array([p[0] for p in patch.locate(np.array([0.5]), np.array([0.3]))]), []
+    for height in heights:
+        at = fsolve(
+            lambda p, h=height: [(r := patch.jet(*p[:, None]).r[0] - origin) @ across, r @ up - h], at, xtol=1e-13
+        )
+        points.append(patch.jet(*at[:, None]).r[0])
+    return np.array(points)
+
+
+@pytest.mark.parametrize("side", SIDES)
+@pytest.mark.parametrize("family", ["ruled", "face-milled"])
+def test_profile_rays_stand_on_the_section_through_the_mean_point(tooth, family, side):
+    """Points and directions from the section alone: a fine polyline's tangents, turned out of the material.
+
+    The plane of the ruled tooth stands on the lengthwise curve's mean point, that of the face-milled tooth on the
+    flank's own.
+    """
+    offsets, contact = np.array([-2.0, -0.5, 0.0, 0.5, 2.0]), 4.366
+    slot = tooth if family == "ruled" else make_face_milled()
+    patch, blank, bottom = slot.flank(side), slot.blank, slot.bottom
+    middle = bottom.jet(*bottom.locate(np.array([0.5]), np.array([0.5]))).r[0]
+    origin, heights = middle, contact + offsets
+    if family == "face-milled":
+        above = contact - float(blank.dedendum_at(blank.mean))
+        origin, heights = patch.jet(*patch.meet(np.array([blank.mean]), np.array([above]))).r[0], offsets
+    across, up = blank.cone_directions(origin)
+    normal, in_plane = profile_rays(patch, offsets, contact)
+    step = 1e-4
+    before, points, after = (section(patch, origin, across, up, heights + s) for s in (-step, 0.0, step))
+    turned = np.cross(after - before, across) / np.linalg.norm(after - before, axis=1)[:, None]
+    turned *= np.sign(np.sum(turned * (middle + 8.0 * up - points), axis=1))[:, None]
+    assert np.allclose(normal.origin, points, atol=1e-10)
     assert np.array_equal(normal.origin, in_plane.origin)
+    assert np.allclose(in_plane.direction, turned, atol=1e-7)
+    assert np.allclose(np.sum(normal.direction * turned, axis=1) ** 2 + (normal.direction @ across) ** 2, 1.0)
 
 
 @pytest.mark.parametrize("name", ["convex", "concave fillet", "bottom"])

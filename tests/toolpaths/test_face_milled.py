@@ -1,9 +1,11 @@
+import re
 from dataclasses import replace
 from math import cos, radians, sin
 
 import numpy as np
 import pytest
 
+from gearsim.cutters.catalogue import conical
 from gearsim.errors import InputError
 from gearsim.surfaces.patch import SIDES
 from gearsim.toolpaths.face_milled import GeneratedFlankPath
@@ -72,3 +74,27 @@ def test_cl_points_lie_on_the_path_with_equal_steps(published_cutter):
     assert np.allclose(cl.tips[first : first + 17], on_face.tip.value, atol=1e-12)
     with pytest.raises(InputError, match="at least 2 points over the face, got 1"):
         path.cl_motion(1)
+
+
+def test_a_cutter_wider_than_the_mouth_is_refused(path):
+    """The mouth the message names is the distance of the toe's tip edge from the other one, across the slot."""
+    path.check_passage()
+    wide = replace(path, cutter=conical(2.5, 1.5, radians(15.0), 25.0))
+    with pytest.raises(InputError, match=r"between the tip edges: at cone distance 55\.17 mm it is \d+") as error:
+        wide.check_passage()
+    mouth = float(re.search(r"mouth of ([\d.]+) mm", str(error.value))[1])
+    length = np.linspace(0.0, 0.4, 801)
+    walls = [path.patch.tooth.flank(side) for side in SIDES]
+    convex, concave = (w.jet(*w.locate(length, np.ones(801))).r for w in walls)
+    across = min(np.linalg.norm(a[0] - b, axis=1).min() for a, b in ((convex, concave), (concave, convex)))
+    assert mouth == pytest.approx(across, rel=0.05)
+
+
+def test_the_path_ends_where_the_prolonged_flank_does(published_cutter):
+    """Beyond there are no poses; a run-in that would need them is refused, one that does not is unharmed."""
+    path = make_path("convex", published_cutter)
+    pose = path.poses(np.array([30.0, 60.0]), 1)
+    assert np.isnan(pose.tip.c[:, 0]).all()
+    assert np.allclose(pose.tip.c[:, 1], path.poses(np.array([60.0]), 1).tip.c[:, 0], atol=1e-12)
+    with pytest.raises(InputError, match="the generated convex does not reach cone distance"):
+        _ = replace(path, run=25.0).motion

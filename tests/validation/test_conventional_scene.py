@@ -1,0 +1,94 @@
+"""The scene of Zhou's conventional rows (2015, section 4.4.2, table 4.2) against the same cut put together here."""
+
+from math import sin
+
+import numpy as np
+import pytest
+from scipy.optimize import fsolve
+
+from gearsim.geometry.rays import RayBundle
+from gearsim.metrology.deviation import measure
+from gearsim.motion.segments import compile_motion
+from gearsim.output.table import flank_columns
+from gearsim.runner import run
+from gearsim.simulation.removal import cut
+from gearsim.surfaces.patch import SIDES
+from gearsim.toolpaths.face_milled import GeneratedFlankPath
+from tests.surfaces.test_face_milled import ANGLE, EDGE, make_face_milled
+
+SCENE = "spiral-bevel-flank-conventional"
+SMALL = (
+    "metrology.rows=3", "metrology.columns=9", "metrology.inspection_rows=3", "metrology.inspection_columns=5",
+    "metrology.convergence=[]", "simulation.dexel_pitch_mm=0.6", "toolpath.points=17",
+)  # fmt: skip
+
+
+@pytest.fixture(scope="module")
+def result():
+    return run(SCENE, overrides=SMALL)
+
+
+def section_points(patch, offsets):
+    """L0 to L6 and the plane's normal: MINPACK from point to point in the plane through the mean point, from L0 out."""
+    blank = patch.blank
+    above = 0.5 * (blank.addendum_at(blank.mean) - blank.dedendum_at(blank.mean) + blank.clearance)
+    start = np.concatenate(patch.meet(np.array([blank.mean]), np.array([above])))
+    mean = patch.jet(*start[:, None]).r[0]
+    across, up = blank.cone_directions(mean)
+
+    def misses(at, offset):
+        r = patch.jet(*at[:, None]).r[0] - mean
+        return [r @ across, r @ up - offset]
+
+    found = {}
+    for sign in (1.0, -1.0):
+        at = start
+        for offset in sign * np.arange(0.0, 3.25, 0.25):
+            at = found[offset] = fsolve(misses, at, (offset,), xtol=1e-13)
+    return patch.jet(*np.array([found[o] for o in offsets]).T), across
+
+
+@pytest.mark.parametrize("side", SIDES)
+def test_the_mean_profile_is_that_of_the_same_cut_put_together_here(result, side, published_cutter):
+    """Section, directions, path, table and rays put together here; what the scene reports must be the same."""
+    flank, offsets = result.flanks[side], np.array([0.0, 0.5, -0.5, 1.5, -1.5, 3.0, -3.0])
+    path = GeneratedFlankPath(make_face_milled().flank(side), published_cutter, EDGE * (1.0 - sin(ANGLE)), 8.0)
+    jet, across = section_points(path.patch, offsets)
+    in_plane = jet.normal - np.outer(jet.normal @ across, across)
+    in_plane /= np.linalg.norm(in_plane, axis=1)[:, None]
+    table = compile_motion(path.motion, published_cutter.reach)
+    for direction, reported in ((jet.normal, flank.profile_um), (in_plane, flank.profile_inplane_um)):
+        rays = RayBundle(jet.r, direction, np.full(7, -1.0), np.full(7, 1.0))
+        ours = 1e3 * measure(rays, cut(rays, table, published_cutter).require_trust().removed).value
+        assert list(reported) == [f"L{i}" for i in range(7)]
+        assert np.allclose(list(reported.values()), ours, atol=1e-5)
+        assert abs(ours[0]) < 1e-5
+        assert np.all(ours[1:] > 1.0)
+
+
+def test_both_roads_and_the_dexels_agree_and_the_published_cutter_gouges(result):
+    """What is left by the own pass is the profile's bulge; the other pass cuts it away and a millimetre more."""
+    for flank in result.flanks.values():
+        for gap in (flank.gap, flank.gap_cl, *flank.inspection_gaps):
+            assert gap.trusted
+            assert gap.valid > 0
+            assert gap.max_um < 1e-3
+        own, everything = flank.own.summary_um(), flank.all_passes.summary_um()
+        assert own["min"] > -1e-3
+        assert 50.0 < own["max"] < 120.0
+        assert everything["min"] < -1000.0
+        assert {"u", "arc_length_mm"} <= set(flank_columns(result, flank))
+    assert result.dexels.checked > 0
+    assert result.dexels.check_um < 1e-3
+    assert result.exit_code == 1
+    assert {(f.kind, f.patch) for f in result.findings if f.fails} >= {("cross_cut", side) for side in SIDES}
+
+
+def test_the_non_generated_tooth_is_flank_milled_too(result):
+    """Formate: the head leaves straight profiles, so the bulge is gone and with it most of the deviation."""
+    plunged = run(SCENE, overrides=(*SMALL, "surface.generated=false"))
+    for side, flank in plunged.flanks.items():
+        assert flank.gap.max_um < 1e-3
+        assert abs(flank.profile_um["L0"]) < 1e-5
+        for name in ("L3", "L4", "L5", "L6"):
+            assert abs(flank.profile_um[name]) < 0.2 * result.flanks[side].profile_um[name]
