@@ -21,11 +21,12 @@ PINION_FRAME = "pinion frame: z along the pinion axis, origin at the apex of its
 
 
 def plan_hypoid(scene: HypoidScene) -> GeneratingJob:
-    """Both flanks and fillets under the roll, and under every machine's table of axis values."""
+    """The slot under the roll, and under every machine's table of axis values; one cut, or one for each flank."""
     pinion, machines = scene.pinion(), scene.machines()
     sides = {"concave": pinion.concave, "convex": pinion.convex}
     together = pinion.concave == pinion.convex
-    groups = {"": pinion.patches} if together else {s: [p for p in pinion.patches if p.side == s] for s in sides}
+    whole = {"": pinion.concave.patches}
+    groups = whole if together else {s: [p for p in pinion.patches if p.side == s] for s in sides}
     cuts: list[Cut] = []
     programs: dict[str, str] = {}
     notes: list[str] = []

@@ -35,7 +35,7 @@ def _draw_envelope(data: dict[str, NDArray], surfaces: dict[str, Any], file: Pat
         plotter.add_text(text, color="black", font_size=11)
         if "view:up" in data:
             size = float(np.linalg.norm(data["view:along"]))
-            look_into_slot(plotter, data["view:centre"], data, size * (4.6 if view else 2.2))
+            look_into_slot(plotter, data["view:centre"], data, size * (4.6 if view else 2.6))
         else:
             _look_from_ahead(plotter, surfaces, data)
     plotter.screenshot(str(file))
