@@ -76,7 +76,7 @@ def estimate(scene: Scene, folder: Path) -> dict[str, float]:
         "rays": rays,
         "segments": segments,
         "memory_mb": 600.0 + 1e-6 * (SLOT_BYTES * slots * min(rays, tile_rays(slots)) + 450 * rays + 2000 * samples),
-        "seconds": 6.0 + rays / 60e3 + samples * (2.2e-4 + 5e-7 * segments),
+        "seconds": 6.0 + rays / 60e3 + 2e-6 * job.ring_pairs() + samples * (2.2e-4 + 5e-7 * segments),
     }
 
 

@@ -54,6 +54,10 @@ class Job:
         """Rows of the program's table."""
         return len(self.program)
 
+    def ring_pairs(self) -> int:
+        """Rays times segments for ring-shaped heads, which mill no flanks."""
+        return 0
+
     def envelope_samples(self) -> int:
         """Samples the envelope road will solve for."""
         m = self.scene.metrology

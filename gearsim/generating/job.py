@@ -77,6 +77,17 @@ class GeneratingJob:
         converging = sum(len(cut.patches) * len(cut.sampled) for cut in self.cuts) * motions * m.rows * m.columns
         return self.envelope_samples() + converging + self._dexel_rays()
 
+    def ring_pairs(self) -> int:
+        """Rays times segments for ring-shaped heads, of whose bodies every ray near is within all along."""
+        m = self.scene.metrology
+        pairs = 0
+        for cut in self.cuts:
+            if cut.cutter.is_ring:
+                sampled = [make(n) for make in cut.sampled.values() for n in m.convergence]
+                rows = [len(self.compiled(cut, source).table) for source in (*cut.sources.values(), *sampled)]
+                pairs += len(cut.patches) * m.rows * m.columns * sum(rows) + self._dexel_rays() * rows[0]
+        return pairs
+
     def _dexel_rays(self) -> int:
         if self.blank is None:
             return 0
