@@ -119,14 +119,16 @@ def _profile(axis: Axes, flank: FlankResult, scene: dict[str, Any]) -> None:
     for name, x, y in zip(flank.profile_um, offsets, normal, strict=True):
         axis.annotate(name, (x, y), textcoords="offset points", xytext=(4, 6), fontsize=8)
     reference = scene.get("reference")
+    ours, scale = _largest(np.concatenate([normal, in_plane])), ""
     if reference is not None:
         published = np.array(published_um(reference, flank.side))
         axis.plot(offsets[order], published[order], "s:", color="0.5", label=f"{reference['source']} (sign turned)")
+        if _largest(published) > 3.0 * ours:
+            axis.set_yscale("symlog", linthresh=ours)
+            scale = f" (logarithmic beyond {ours:.2g} µm)"
     axis.axhline(0.0, color="k", lw=0.6)
-    ours = _largest(np.concatenate([normal, in_plane]))
-    axis.set_yscale("symlog", linthresh=ours)
     axis.margins(y=0.15)
-    axis.set_title(f"{flank.side} flank, mean profile, own pass (logarithmic beyond {ours:.2g} µm)")
+    axis.set_title(f"{flank.side} flank, mean profile, own pass{scale}")
     axis.set_xlabel("height above the contact path [mm]")
     axis.set_ylabel("deviation [µm]")
     axis.legend(fontsize=8)

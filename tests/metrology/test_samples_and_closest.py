@@ -54,7 +54,7 @@ def section(patch, origin, across, up, heights):
     at, points = np.array([p[0] for p in patch.locate(np.array([0.5]), np.array([0.3]))]), []
     for height in heights:
         at = fsolve(
-            lambda p, h=height: [(r := patch.jet(*p[:, None]).r[0] - origin) @ across, r @ up - h], at, xtol=1e-13
+            lambda p, h=height: [(r := patch.jet(*p[:, None]).r[0] - origin) @ across, r @ up - h], at, xtol=1e-11
         )
         points.append(patch.jet(*at[:, None]).r[0])
     return np.array(points)

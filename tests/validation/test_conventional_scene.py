@@ -44,7 +44,7 @@ def section_points(patch, offsets):
     for sign in (1.0, -1.0):
         at = start
         for offset in sign * np.arange(0.0, 3.25, 0.25):
-            at = found[offset] = fsolve(misses, at, (offset,), xtol=1e-13)
+            at = found[offset] = fsolve(misses, at, (offset,), xtol=1e-11)
     return patch.jet(*np.array([found[o] for o in offsets]).T), across
 
 
