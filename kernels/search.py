@@ -151,13 +151,13 @@ def descent_point(a: Contact, b: Contact, tolerance: f64, curvature: f64, spin: 
 def replaces_left(a: Contact, b: Contact, at: Contact) -> bool:
     """Whether a point between a and b becomes the bracket's left end, so that a minimum stays inside.
 
-    The earlier end stays where the point is later than both: a ray in the plane of a disc that tilts is
-    entered elsewhere at once.
+    Of two minima that of the earlier end stays: a ray in the plane of a disc that tilts is entered elsewhere
+    at once.
     """
     if straddles(a, b):
-        if at.tau > wp.max(a.tau, b.tau):
-            return b.tau < a.tau
-        return at.push < f64(0.0)
+        if a.tau <= b.tau:
+            return at.push < f64(0.0) and at.tau <= a.tau
+        return at.push < f64(0.0) or at.tau > b.tau
     if a.tau <= b.tau:
         return at.tau < a.tau and at.push < f64(0.0)
     return at.tau >= b.tau or at.push <= f64(0.0)
