@@ -7,17 +7,18 @@ import platform
 from collections.abc import Callable
 from statistics import median
 from time import perf_counter
-from typing import Any
+from typing import Any, NamedTuple
 
 import gearsim
+from gearsim import flank_milling, generating
 from gearsim.bench_envelope import envelope
+from gearsim.cutters.profile import Profile
 from gearsim.errors import InputError
-from gearsim.flank_milling import Job, plan
 from gearsim.geometry.rays import RayBundle
 from gearsim.metrology.dexel_check import slot_box
 from gearsim.metrology.samples import sample_grid
 from gearsim.motion.segments import SegmentTable
-from gearsim.scene import FlankMillingScene, load_scene
+from gearsim.scene import FlankMillingScene, GeneratedScene, load_scene
 from gearsim.simulation.removal import cut, device_name, prepare
 
 Suite = Callable[[str], dict[str, Any]]
@@ -28,33 +29,58 @@ _COLUMNS = ("case", "threads", "rays", "segments", "seconds", "spread", "krays/s
 
 
 def removal(device: str) -> dict[str, Any]:
-    """The removal road on the scene spiral-bevel-flank: rays along normals, and the slot's tri-dexel."""
-    scene, folder = load_scene("spiral-bevel-flank")
-    assert isinstance(scene, FlankMillingScene)
-    job = plan(scene, folder)
+    """The removal road: rays along normals, a slot's tri-dexel, and a ring-shaped head's roll."""
+    cases = [*_flank_milling_cases(), _head_case()]
     prepare(device)
-    normals = sample_grid(job.tooth.flank("convex"), 65, 513).rays()
-    dexels = slot_box(job.tooth.patches, job.tooth.blank, 0.15).rays(2)
     threads = sorted({1, os.cpu_count() or 1}) if device == "cpu" else [1]
-    cases: list[tuple[str, RayBundle, SegmentTable]] = [
-        ("normals, continuous", normals, job.theory["convex"].table),
-        ("normals, CL data", normals, job.program),
-        ("tri-dexel, CL data", dexels, job.program),
-    ]
     rows = []
     for case in cases:
-        timed = [_timed_cut(job, device, *case, threads=n) for n in threads]
+        timed = [_timed_cut(device, case, threads=n) for n in threads]
         rows += [{**row, "speed-up": timed[0]["seconds"] / row["seconds"]} for row in timed]
     notes = [
         f"Median of {_REPEATS} runs, kernel time alone; spread: (slowest - fastest)/median. Mcand/s: million ray-"
         "segment pairs in the bounding volumes; Mpairs/s: those whose swept interval was computed, to 1e-9 mm. "
-        "speed-up: against the case's first row."
+        "speed-up: against the case's first row. Scenes spiral-bevel-flank and, for the head, spiral-bevel-face-milled."
     ]
     return {"columns": list(_COLUMNS), "rows": rows, "notes": notes}
 
 
-def _timed_cut(job: Job, device: str, name: str, rays: RayBundle, table: SegmentTable, threads: int) -> dict[str, Any]:
-    runs = [cut(rays, table, job.cutter, device=device, threads=threads).require_trust() for _ in range(_REPEATS)]
+class _Case(NamedTuple):
+    """Rays to cut by a motion of a tool."""
+
+    name: str
+    rays: RayBundle
+    table: SegmentTable
+    cutter: Profile
+
+
+def _flank_milling_cases() -> list[_Case]:
+    scene, folder = load_scene("spiral-bevel-flank")
+    assert isinstance(scene, FlankMillingScene)
+    job = flank_milling.plan(scene, folder)
+    normals = sample_grid(job.tooth.flank("convex"), 65, 513).rays()
+    dexels = slot_box(job.tooth.patches, job.tooth.blank, 0.15).rays(2)
+    return [
+        _Case("normals, continuous", normals, job.theory["convex"].table, job.cutter),
+        _Case("normals, CL data", normals, job.program, job.cutter),
+        _Case("tri-dexel, CL data", dexels, job.program, job.cutter),
+    ]
+
+
+def _head_case() -> _Case:
+    scene, folder = load_scene("spiral-bevel-face-milled")
+    assert isinstance(scene, GeneratedScene)
+    job = generating.plan(scene, folder)
+    (cut,) = job.cuts
+    convex = next(patch for patch in cut.patches if patch.name == "convex")
+    table = job.compiled(cut, cut.sources[cut.generating]).table
+    return _Case("normals, head's roll", sample_grid(convex, 33, 129, 0.01).rays(), table, cut.cutter)
+
+
+def _timed_cut(device: str, case: _Case, threads: int) -> dict[str, Any]:
+    name, rays, table, cutter = case
+    cut(rays.part(slice(0, 1)), table, cutter, device=device)  # loads the tool's kernel
+    runs = [cut(rays, table, cutter, device=device, threads=threads).require_trust() for _ in range(_REPEATS)]
     seconds = sorted(r.kernel_s for r in runs)
     s, last = median(seconds), runs[-1]
     return {

@@ -56,17 +56,15 @@ def arc_jet(
     bottom of a trough). Returns points, their derivatives by t and angle, arc lengths s [mm], branches.
     """
     pose = pose_jet(source, piece, t)
-    arcs = [cutter.elements[i] for i in range(len(cutter.elements))]
-    rc, zc, rho, first = (
-        np.array(c)[element][:, None]
-        for c in zip(*((*e.centre, e.radius, e.angles[0] if e.is_arc else 0.0) for e in arcs), strict=True)
-    )
+    rows = [(*e.centre, e.radius, *(e.angles if e.is_arc else (0.0, 0.0))) for e in cutter.elements]
+    rc, zc, rho, first, last = (np.array(c)[element][:, None] for c in zip(*rows, strict=True))
+    middle = 0.5 * (first + last)
     u, around = _radial(pose.axis, angle)
     q_rate, q_rate2 = pose.tip_rate + zc * pose.axis_rate, pose.tip_rate2 + zc * pose.axis_rate2
     lean = _dot(u, pose.axis_rate)
     a = _dot(pose.axis, pose.tip_rate) - rc * lean
     b = -_dot(u, q_rate)
-    sign = np.where(a < 0.0, -1.0, 1.0)
+    sign = np.where(a * np.cos(middle) + b * np.sin(middle) < 0.0, -1.0, 1.0)
     size = np.hypot(a, b)
     with np.errstate(invalid="ignore", divide="ignore"):
         nr, nz = sign * a / size, sign * b / size
@@ -81,7 +79,9 @@ def arc_jet(
     by_angle = (rc + rho * nr) * around + rho * turn_angle * along
     g = nr * pose.tip_rate + ((zc + rho * nz) * nr - (rc + rho * nr) * nz) * pose.axis_rate
     branch = np.where(_dot(u, np.cross(pose.axis, g)) < 0.0, -1.0, 1.0)
-    return point, by_t, by_angle, (rho * (np.arctan2(nz, nr) - first))[:, 0], branch[:, 0]
+    turned = np.arctan2(nz, nr) - first
+    s = rho * ((turned + 1.0) % (2.0 * np.pi) - 1.0)
+    return point, by_t, by_angle, s[:, 0], branch[:, 0]
 
 
 def disc_jet(

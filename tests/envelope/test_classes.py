@@ -5,14 +5,16 @@ from math import radians
 import numpy as np
 import pytest
 
-from gearsim.cutters.catalogue import apt, conical
+from gearsim.cutters.catalogue import apt, conical, face_mill_head
 from gearsim.envelope import machined_along
 from gearsim.envelope.candidates import Kind, all_candidates
+from gearsim.envelope.surface import arc_jet, envelope_points
 from gearsim.envelope.trim import path_distance
 from gearsim.geometry.rays import RayBundle
 from gearsim.motion.segments import compile_motion
 from gearsim.motion.sources import CLMotion
 from gearsim.simulation.removal import cut
+from tests.motion.test_sources import random_cl
 
 UP = np.array([0.0, 0.0, 1.0])
 BALL = apt(6.0, 3.0, 0.0, 3.0, 0.0, 0.0, 20.0)
@@ -125,3 +127,19 @@ def test_nothing_reaches_a_ray_far_away():
     assert not road.valid[0]
     assert np.isnan(road.deviation[0])
     assert road.share() == {"envelope": 0.0, "joint": 0.0, "path_end": 0.0, "edge": 0.0}
+
+
+def test_the_second_chart_of_arcs_holds_for_inner_edges_of_rings(rng):
+    """Their normals point towards the axis; the chart must give the points of the first one there too."""
+    head = face_mill_head(63.5, 2.54, radians(22.0), radians(22.0), 0.8, 12.0)
+    arcs = [i for i, e in enumerate(head.elements) if e.is_arc]
+    source = random_cl(rng, 2)
+    n = 2000
+    piece, t, angle = np.zeros(n, dtype=int), rng.uniform(0.0, 1.0, n), rng.uniform(0.0, 2.0 * np.pi, n)
+    for element in arcs:
+        label = np.full(n, element)
+        point, _, _, s, branch = arc_jet(source, head, piece, t, label, angle)
+        on = (s >= 0.0) & (s <= head.elements[element].length)
+        assert on.sum() > 20
+        other = envelope_points(source, head, piece[on], t[on], label[on], s[on], branch[on])
+        assert np.allclose(other.point, point[on], atol=1e-9)
