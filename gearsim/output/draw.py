@@ -49,9 +49,9 @@ def main(folder: Path) -> None:
     surfaces = patch_meshes(data)
     pv.merge(list(surfaces.values()), merge_points=False).extract_surface(algorithm=None).save(folder / "tooth.vtp")
     if "tool:profile" in data:
-        from gearsim.output.generated.draw import draw_generated
+        from gearsim.output.generating.draw import draw_generating
 
-        draw_generated(data, surfaces, folder)
+        draw_generating(data, surfaces, folder)
         return
     draw_slot(data, folder / "slot.png")
     _draw_blanks(data, folder / "blanks.png")

@@ -9,11 +9,11 @@ from gearsim.output import charts, report
 from gearsim.output.draw import DATA, finish_drawing, start_drawing
 from gearsim.output.drawing import write_drawing
 from gearsim.output.exr import grid_channels, write_exr
-from gearsim.output.generated import charts as generated_charts
-from gearsim.output.generated import drawing as generated_drawing
-from gearsim.output.generated import report as generated_report
-from gearsim.output.generated import summary as generated_summary
-from gearsim.output.generated.maps import surface_channels, surface_columns
+from gearsim.output.generating import charts as generating_charts
+from gearsim.output.generating import drawing as generating_drawing
+from gearsim.output.generating import report as generating_report
+from gearsim.output.generating import summary as generating_summary
+from gearsim.output.generating.maps import surface_channels, surface_columns
 from gearsim.output.markdown import write_report
 from gearsim.output.summary import summary, write_json
 from gearsim.output.table import flank_columns, write_parquet
@@ -25,7 +25,7 @@ def write_result(result: Result, stage: Path) -> list[str]:
     if isinstance(result, FlankMillingResult):
         return _write_flank_milling(result, stage)
     assert isinstance(result, GeneratingResult)
-    return _write_generated(result, stage)
+    return _write_generating(result, stage)
 
 
 def _write_flank_milling(result: FlankMillingResult, stage: Path) -> list[str]:
@@ -43,20 +43,20 @@ def _write_flank_milling(result: FlankMillingResult, stage: Path) -> list[str]:
     return _write_figures(figures, text, missing, stage)
 
 
-def _write_generated(result: GeneratingResult, stage: Path) -> list[str]:
-    generated_drawing.write_drawing(result, stage / DATA)
+def _write_generating(result: GeneratingResult, stage: Path) -> list[str]:
+    generating_drawing.write_drawing(result, stage / DATA)
     drawing = start_drawing(stage)
     parts = {name: surface_channels(result, s) for name, s in result.surfaces.items()}
     write_exr(parts, result, stage / "deviation.exr")
     write_parquet([surface_columns(result, s) for s in result.surfaces.values()], result, stage / "samples.parquet")
     for name, text in result.programs.items():
         (stage / name).write_text(text, encoding="utf-8")
-    generated_charts.draw_deviations(result, stage / "deviation.png")
-    generated_charts.draw_axes(result, stage / "axes.png")
+    generating_charts.draw_deviations(result, stage / "deviation.png")
+    generating_charts.draw_axes(result, stage / "axes.png")
     expected = ["envelope.png"] + (["slot.png"] if result.dexels else [])
     missing = finish_drawing(drawing, stage, expected)
-    figures = generated_summary.summary(result)
-    text = generated_report.generating_report(figures, list(result.programs), _drawn(stage), missing)
+    figures = generating_summary.summary(result)
+    text = generating_report.generating_report(figures, list(result.programs), _drawn(stage), missing)
     return _write_figures(figures, text, missing, stage)
 
 

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from gearsim.cutters.profile import Profile
 from gearsim.metrology.surface import SurfaceResult
 from gearsim.output.drawing import patch_arrays, relief_arrays, view_arrays
-from gearsim.output.generated.maps import shown_motion
+from gearsim.output.generating.maps import shown_motion
 from gearsim.result import GeneratingResult
 
 _CURVES = 15

@@ -13,7 +13,7 @@ from gearsim.output.draw import COLOURS, STEEL, draw_slot, look_into_slot, plott
 _TINTS = ("#d1495b", "#2e6f95", "#8cb369", "#f4a259", "#7b6d8d")
 
 
-def draw_generated(data: dict[str, NDArray], surfaces: dict[str, Any], folder: Path) -> None:
+def draw_generating(data: dict[str, NDArray], surfaces: dict[str, Any], folder: Path) -> None:
     """Draw everything."""
     if "relief:point" in data:
         draw_slot(data, folder / "slot.png")
