@@ -125,12 +125,18 @@ class BevelBlank:
             radius * cos(self.pitch) - z * sin(self.pitch),
         )
 
-    def cone_directions(self, point: NDArray) -> tuple[NDArray, NDArray]:
-        """Unit vectors along the pitch cone's generator and its normal beside a point, shape (3,)."""
-        around = np.append(point[:2] / np.hypot(*point[:2]), 0.0)
-        along_axis = np.array([0.0, 0.0, 1.0])
+    def cone_directions(self, points: NDArray) -> tuple[NDArray, NDArray]:
+        """Unit vectors along the pitch cone's generator and its normal beside points, shape (..., 3).
+
+        The gradients of ``cone_height``.
+        """
+        around = points[..., :2] / np.hypot(points[..., 0], points[..., 1])[..., None]
         s, c = sin(self.pitch), cos(self.pitch)
-        return s * around + c * along_axis, c * around - s * along_axis
+        rise = np.ones((*points.shape[:-1], 1))
+        return (
+            np.concatenate([around * s, rise * c], axis=-1),
+            np.concatenate([around * c, -rise * s], axis=-1),
+        )
 
     def mate(self, teeth: int) -> BevelBlank:
         """The mating blank for perpendicular shafts and parallel root and face cones (table 3.2)."""

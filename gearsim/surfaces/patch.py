@@ -15,6 +15,11 @@ SIDES: tuple[Side, Side] = ("convex", "concave")
 Part = Literal["flank", "fillet", "bottom"]
 
 
+def patch_name(part: Part, side: Side) -> str:
+    """``convex``, ``concave`` for the working flanks; ``convex fillet``, ..., ``bottom``."""
+    return {"flank": side, "fillet": f"{side} fillet", "bottom": "bottom"}[part]
+
+
 class Jet(Protocol):
     """Points with tangents and normals, each of shape (n, 3); nan where there is no surface."""
 

@@ -20,7 +20,7 @@ from gearsim.geometry import series
 from gearsim.geometry.jets import SurfaceJet
 from gearsim.geometry.series import Series
 from gearsim.surfaces.blank import BevelBlank
-from gearsim.surfaces.patch import Part, Side
+from gearsim.surfaces.patch import Part, Side, patch_name
 
 
 class Spine(NamedTuple):
@@ -166,8 +166,7 @@ class ToothPatch:
 
     @property
     def name(self) -> str:
-        """``convex``, ``concave`` for the working flanks; ``convex fillet``, ..., ``bottom``."""
-        return {"flank": self.side, "fillet": f"{self.side} fillet", "bottom": "bottom"}[self.part]
+        return patch_name(self.part, self.side)
 
     @property
     def blank(self) -> BevelBlank:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
-from math import cos, pi, sin
+from math import pi
 from typing import NamedTuple, Protocol
 
 import numpy as np
@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from gearsim.errors import InputError
 from gearsim.surfaces.blank import BevelBlank
 from gearsim.surfaces.generated import GeneratedJet, Sheet
-from gearsim.surfaces.patch import Part, Side
+from gearsim.surfaces.patch import Part, Side, patch_name
 
 _STEPS = 60
 _WALK = 12
@@ -74,8 +74,7 @@ class GeneratedPatch:
 
     @property
     def name(self) -> str:
-        """``convex``, ``concave`` for the working flanks; ``convex fillet``, ..., ``bottom``."""
-        return {"flank": self.side, "fillet": f"{self.side} fillet", "bottom": "bottom"}[self.part]
+        return patch_name(self.part, self.side)
 
     @property
     def blank(self) -> BevelBlank:
@@ -150,7 +149,7 @@ class GeneratedPatch:
         """
         u, v = (np.repeat(p, len(offsets)) for p in self.meet(np.array([cone]), np.array([above])))
         middle = self.jet(u, v).r
-        generator, up = self._cone_frame(middle)
+        generator, up = self.blank.cone_directions(middle)
         for i in range(_STEPS):
             at = self.jet(u, v)
             e = -_dot(generator, at.r - middle)
@@ -185,16 +184,9 @@ class GeneratedPatch:
 
     def _spiral_cosine(self, jet: GeneratedJet) -> NDArray:
         """Cosine of the angle between the flank's trace in the cone through a point and the generator."""
-        generator, normal = self._cone_frame(jet.r)
+        generator, normal = self.blank.cone_directions(jet.r)
         trace = np.cross(jet.normal, normal)
         return np.abs(_dot(trace, generator)) / np.linalg.norm(trace, axis=1)
-
-    def _cone_frame(self, points: NDArray) -> tuple[NDArray, NDArray]:
-        """Unit vectors along the pitch cone's generator and its normal, the gradients of (cone, height)."""
-        around = points[:, :2] / np.hypot(points[:, 0], points[:, 1])[:, None]
-        c, s = cos(self.blank.pitch), sin(self.blank.pitch)
-        rise = np.ones((len(points), 1))
-        return np.hstack([around * s, rise * c]), np.hstack([around * c, -rise * s])
 
     @property
     def _middle(self) -> float:
@@ -250,7 +242,7 @@ class GeneratedPatch:
     ) -> tuple[NDArray, NDArray, NDArray]:
         """One step of Newton's method, and how far [mm] it moves the points, each of shape (n,)."""
         at = self.jet(u, v)
-        generator, normal = self._cone_frame(at.r)
+        generator, normal = self.blank.cone_directions(at.r)
         found, above = self.blank.cone_height(at.r)
         if by_height:
             du, dv = _solve2(generator, normal, at, cone - found, target - above)

@@ -105,7 +105,7 @@ class GeneratedFlankPath:
         near = (np.interp(cone, along, track[0]), np.interp(cone, along, track[1]))
         u0, v0 = self.patch.seek(cone, self.contact_height(cone), near)
         jet = self.patch.jet(u0, v0)
-        generator, up = (s.value for s in self._cone_frame(Series(jet.r[None])))
+        generator, up = blank.cone_directions(jet.r)
         a, b, c, d = (np.sum(p * q, axis=1) for p in (generator, up) for q in (jet.ru, jet.rv))
         height = target * (self._slope - tan(blank.pitch - blank.root_angle)) + float(self.contact_height(0.0))
         nil = Series(np.zeros_like(target.c))
