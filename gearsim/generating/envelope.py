@@ -9,6 +9,7 @@ from gearsim.envelope import EnvelopePatch
 from gearsim.errors import InputError
 from gearsim.generating.job import Cut, GeneratingJob
 from gearsim.machines.chain import Machine
+from gearsim.machines.path import overruns
 from gearsim.motion.nc_step import NCStep
 from gearsim.motion.sources import MotionSource
 from gearsim.programs.cldata import CLPath, CLProgram, format_cl
@@ -28,6 +29,8 @@ def plan_envelope(scene: EnvelopeScene) -> GeneratingJob:
     cutter, machine = scene.tool(), scene.controller()
     tips, rotary = program_points(scene.toolpath, machine)
     step = NCStep(cutter, machine, tips, rotary)
+    if found := overruns(machine, step.nc_axes.values):
+        raise InputError(f"machine {machine.name}: " + "; ".join(str(o) for o in found))
     sources: dict[str, MotionSource] = {
         "theory": step.theoretical,
         "cl": step.cl,

@@ -128,11 +128,11 @@ def _best(
         values[:, columns] = np.unwrap(values[:, columns], axis=0)
         for joint, column in zip(solver.rotaries, columns, strict=True):
             values[:, column] += 2.0 * pi * _turns(values[:, column], joint, start, column)
-        overruns = _overruns(machine, values)
-        beyond = sum(abs(o.value - o.limit) for o in overruns)
+        found = overruns(machine, values)
+        beyond = sum(abs(o.value - o.limit) for o in found)
         cost = beyond, round(float(np.abs(values[:, columns]).sum()), 6)
         swings = _swings(solver.rotaries[0], values[:, columns[0]], wanted)
-        paths.append((cost, AxisPath(machine, values, branch, free, overruns, swings)))
+        paths.append((cost, AxisPath(machine, values, branch, free, found, swings)))
     return min(paths, key=lambda entry: entry[0])[1]
 
 
@@ -175,7 +175,8 @@ def _turns(values: NDArray, joint: Joint, start: NDArray | None, column: int) ->
     return -ceil((high - joint.upper) / (2.0 * pi))
 
 
-def _overruns(machine: Machine, values: NDArray) -> tuple[Overrun, ...]:
+def overruns(machine: Machine, values: NDArray) -> tuple[Overrun, ...]:
+    """Where axis values (n, k) leave the machine's travel limits."""
     found = []
     for joint, axis in zip(machine.joints, values.T, strict=True):
         for limit, beyond in ((joint.lower, joint.lower - axis), (joint.upper, axis - joint.upper)):

@@ -7,10 +7,12 @@ from inspect import Parameter, signature
 from math import degrees, radians
 from typing import Annotated, Any, Literal, Union
 
+import numpy as np
 from pydantic import Field, create_model
 
 from gearsim.cutters.catalogue import CUTTERS
 from gearsim.machines.catalogue import MACHINES
+from gearsim.machines.chain import Machine
 from gearsim.scene.tables import Table
 
 _Length = Annotated[float, Field(gt=-1e5, lt=1e5, allow_inf_nan=False)]
@@ -31,6 +33,19 @@ class CatalogueTable(Table):
         return make(**{name: radians(v) if _is_angle(name) else v for name, v in given.items()})
 
 
+class MachineTable(CatalogueTable):
+    """A machine of the catalogue, with travel ``limits`` [mm, deg] of its owner's by axis name."""
+
+    limits: dict[str, tuple[_Length, _Length]] = Field(default_factory=dict)
+
+    def build(self) -> Machine:
+        """The machine. Raises InputError for limits of axes it has not."""
+        machine: Machine = super().build()
+        turned = {joint.name for joint in machine.joints if joint.is_rotary}
+        inside = {a: np.radians(ends) if a in turned else ends for a, ends in self.limits.items()}
+        return machine.limited(**{a: (float(low), float(high)) for a, (low, high) in inside.items()})
+
+
 _TOOLS = {name.replace("_", "-"): make for name, make in CUTTERS.items()}
 _MAKERS: dict[str, Callable[..., Any]] = {**_TOOLS, **MACHINES}
 
@@ -44,7 +59,7 @@ def _keys(make: Callable[..., Any]) -> dict[str, str]:
     return {n: f"{n}_deg" if _is_angle(n) else f"{n}_mm" for n in signature(make).parameters if n != "name"}
 
 
-def _table(kind: str, make: Callable[..., Any]) -> type[CatalogueTable]:
+def _table(kind: str, make: Callable[..., Any], base: type[CatalogueTable]) -> type[CatalogueTable]:
     fields: dict[str, Any] = {"kind": (Literal[kind], ...)}
     for name, key in _keys(make).items():
         default = signature(make).parameters[name].default
@@ -54,13 +69,13 @@ def _table(kind: str, make: Callable[..., Any]) -> type[CatalogueTable]:
             default = degrees(default)
         number = _Vector if isinstance(default, tuple) else _Angle if _is_angle(name) else _Length
         fields[key] = (number, default)
-    return create_model(f"{kind}Table", __base__=CatalogueTable, **fields)
+    return create_model(f"{kind}Table", __base__=base, **fields)
 
 
-def _any_of(catalogue: Mapping[str, Callable[..., Any]]) -> Any:
-    tables = tuple(_table(kind, make) for kind, make in catalogue.items())
+def _any_of(catalogue: Mapping[str, Callable[..., Any]], base: type[CatalogueTable]) -> Any:
+    tables = tuple(_table(kind, make, base) for kind, make in catalogue.items())
     return Annotated[Union[tables], Field(discriminator="kind")]  # noqa: UP007
 
 
-AnyCutter: Any = _any_of(_TOOLS)
-AnyMachine: Any = _any_of(MACHINES)
+AnyCutter: Any = _any_of(_TOOLS, CatalogueTable)
+AnyMachine: Any = _any_of(MACHINES, MachineTable)

@@ -139,3 +139,13 @@ def test_a_dry_run_and_bad_tables_of_generating_scenes(capsys):
         assert message in capsys.readouterr().err
     assert main(["run", "flat-end-envelope", "--set", 'toolpath.axes=["X", "Y", "Z", "A", "C"]']) == 2
     assert "a program for head-head-cb has X, Y, Z, B, C" in capsys.readouterr().err
+
+
+def test_travel_limits_are_the_owners_and_told_with_the_axis(capsys):
+    limits = "machine.limits={ B = [-10.0, 10.0] }"
+    assert main(["run", "flat-end-envelope", "--set", limits]) == 2
+    assert "axis B overruns its limit of 10 deg from point 2 on, by 8 deg at point 2" in capsys.readouterr().err
+    assert main(["run", "hypoid-pinion-phoenix", "--set", "machine.phoenix.limits={ X = [0.0, 150.0] }"]) == 2
+    assert "axis X overruns its limit of 150 mm" in capsys.readouterr().err
+    assert main(["run", "hypoid-pinion-phoenix", "--set", "machine.phoenix.limits={ Q = [0.0, 1.0] }"]) == 2
+    assert "machine phoenix has no axis Q" in capsys.readouterr().err
