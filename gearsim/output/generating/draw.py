@@ -10,7 +10,8 @@ from numpy.typing import NDArray
 
 from gearsim.output.draw import COLOURS, STEEL, draw_slot, look_into_slot, plotter_with
 
-_TINTS = ("#d1495b", "#2e6f95", "#8cb369", "#f4a259", "#7b6d8d")
+_NAMED = {**COLOURS, "left": COLOURS["convex"], "right": COLOURS["concave"]}
+_TINTS = ("#8cb369", "#f4a259", "#7b6d8d", "#5b8e7d", "#c9ada7")
 
 
 def draw_generating(data: dict[str, NDArray], surfaces: dict[str, Any], folder: Path) -> None:
@@ -26,7 +27,7 @@ def _draw_envelope(data: dict[str, NDArray], surfaces: dict[str, Any], file: Pat
     for view, text in enumerate(("surfaces and grazing curves", "with the tool at the ends of its motion")):
         plotter.subplot(0, view)
         for number, (name, mesh) in enumerate(surfaces.items()):
-            colour = COLOURS.get(name, _TINTS[number % len(_TINTS)])
+            colour = _NAMED.get(name, _TINTS[number % len(_TINTS)])
             plotter.add_mesh(mesh.copy(), color=colour, smooth_shading=True, opacity=0.9, ambient=0.35)
             for curve in data[f"grazing:{name}"]:
                 _add_curve(plotter, curve)
