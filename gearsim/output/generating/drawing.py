@@ -15,6 +15,7 @@ from gearsim.result import GeneratingResult
 
 _CURVES = 15
 _POINTS = 61
+_LIFT = 0.04  # mm out of the surface, so that curves are not drawn inside it
 
 
 def write_drawing(result: GeneratingResult, file: Path) -> None:
@@ -46,7 +47,8 @@ def _grazing_curves(surface: SurfaceResult) -> NDArray:
     u = np.repeat(np.nanmedian(grid.phi[:, columns], axis=0), _POINTS)
     low, high = np.nanmin(grid.v[:, columns], axis=0), np.nanmax(grid.v[:, columns], axis=0)
     v = (low[:, None] + (high - low)[:, None] * rows).ravel()
-    points = grid.patch.jet(u, v).r
+    jet = grid.patch.jet(u, v)
+    points = jet.r + _LIFT * jet.normal
     blank = grid.patch.blank
     if blank is not None:
         cone, height = blank.cone_height(points)
