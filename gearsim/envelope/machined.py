@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Sequence
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,6 +19,7 @@ from gearsim.motion.sources import MotionSource
 
 TRIM_TOLERANCE = 1e-9
 _CHECKED = 1e-3
+_SLICED = 256
 
 
 @dataclass(frozen=True)
@@ -55,8 +59,17 @@ def machined_along(rays: RayBundle, sources: Sequence[MotionSource], cutter: Pro
     From an origin that no pose reaches, outward to the first surviving crossing; from one inside the cut,
     inward to it. A candidate survives if no pose of any exact motion holds it deeper than 1e-9 mm. Rays that
     find nothing near their origin, or on whose way to the crossing another one was missed, are searched
-    along their whole window.
+    along their whole window. Slices of the rays run on all cores: NumPy lets go of the interpreter.
     """
+    cores = os.cpu_count() or 1
+    ends = np.linspace(0, len(rays), cores + 1).astype(int) if len(rays) >= _SLICED else np.array([0, len(rays)])
+    parts = [rays.part(slice(a, b)) for a, b in pairwise(ends)]
+    with ThreadPoolExecutor(cores) as pool:
+        roads = list(pool.map(lambda part: _machined(part, sources, cutter), parts))
+    return EnvelopeRoad(*(np.concatenate(c) for c in zip(*(road.columns() for road in roads), strict=True)))
+
+
+def _machined(rays: RayBundle, sources: Sequence[MotionSource], cutter: Profile) -> EnvelopeRoad:
     inside = _least_distance(sources, cutter, rays.origin) < 0.0
     road = _search(rays, sources, cutter, inside, thorough=False)
     again = np.flatnonzero(~road.valid | _passes_a_crossing(rays, sources, cutter, inside, road.deviation))
