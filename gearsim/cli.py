@@ -106,6 +106,8 @@ def _parser() -> argparse.ArgumentParser:
 
     bench = commands.add_parser("bench", help="measure speed: rays, segments and ray-segment pairs per second")
     bench.add_argument("suite", nargs="?", help="the suite to run (default: list them)")
+    bench.add_argument("--size", default="small", help="small (under 45 s on two cores; default) or large")
+    bench.add_argument("--peers", action="store_true", help="measure other programs on the same work instead")
     bench.add_argument("--device", default="cpu", help="cpu or cuda:0, ...")
     bench.add_argument("--out", type=Path, help="also write the figures as JSON to this file")
     bench.set_defaults(command=_bench)
@@ -210,19 +212,25 @@ def _verify(options: argparse.Namespace) -> int:
 
 
 def _bench(options: argparse.Namespace) -> int:
-    from gearsim.bench import SUITES, run_suite
+    from gearsim.bench.suites import SUITES, run_suite
     from gearsim.output.screen import print_bench
 
-    if options.suite is None:
-        for name, suite in SUITES.items():
-            print(f"{name}  {(suite.__doc__ or '').splitlines()[0]}")
+    if options.peers and options.suite:
+        raise InputError("--peers takes no suite; give one or the other")
+    suite = "peers" if options.peers else options.suite
+    if suite is None:
+        for name, measure in SUITES.items():
+            print(f"{name:{max(map(len, SUITES))}}  {(measure.__doc__ or '').splitlines()[0]}")
         return 0
-    report = run_suite(options.suite, options.device)
+    report = run_suite(suite, options.device, options.size)
     print_bench(report)
     if options.out:
         from gearsim.output.summary import write_json
 
-        write_json(report, options.out)
+        try:
+            write_json(report, options.out)
+        except OSError as error:
+            raise InputError(f"cannot write {options.out}: {error.strerror}") from error
     return 0
 
 

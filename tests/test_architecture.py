@@ -12,9 +12,9 @@ ROOT = Path(__file__).parent.parent
 ORDER = [
     "errors", "geometry", "cutters", "machines", "surfaces", "programs", "motion", "toolpaths", "kernels", "envelope",
     "simulation", "metrology", "result", "output", "scene", "flank_milling", "generating", "runner", "verify",
-    "bench_envelope", "bench", "cli",
+    "bench", "cli",
 ]  # fmt: skip
-LAUNCHERS = {"kernels", "envelope", "simulation"}
+LAUNCHERS = {"kernels", "envelope", "simulation", "bench"}
 HEAVY = {"warp", "pyvista", "OpenEXR", "pyarrow", "matplotlib"}
 
 

@@ -17,6 +17,7 @@ from gearsim.metrology.roads import RoadGap
 from gearsim.result import FlankMillingResult, GeneratingResult, Result
 
 _CONSOLE = Console(highlight=False, width=None if sys.stdout.isatty() else 110)
+_WIDE = 200  # of a table with many columns, written to a file
 
 
 class ScreenProgress:
@@ -119,10 +120,11 @@ def print_bench(report: dict[str, Any]) -> None:
     """A benchmark's table and machine."""
     table = Table(title=f"gearsim bench {report['suite']} on {report['machine']['device']}")
     for head in report["columns"]:
-        table.add_column(head, justify="left" if head == "case" else "right")
+        text = all(isinstance(row[head], str) for row in report["rows"])
+        table.add_column(head, justify="left" if text else "right")
     for row in report["rows"]:
         table.add_row(*(_figure(row[head]) for head in report["columns"]))
-    _CONSOLE.print(table)
+    (_CONSOLE if _CONSOLE.is_terminal else Console(highlight=False, width=_WIDE)).print(table)
     for line in report["notes"]:
         _CONSOLE.print(line)
 

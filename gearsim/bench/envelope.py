@@ -31,7 +31,7 @@ from gearsim.geometry.meshing import (
 from gearsim.machines.generator import CradleGenerator
 from gearsim.motion.sources import CurveMotion
 
-_LINES, _PER_LINE = 100, (100, 1000)
+_LINES, _PER_LINE, _LARGE = 100, (100, 1000), (10_000,)
 _ROUNDS = 11
 _AGREE = 1e-9
 _BRANCH = -1.0  # the branch that is the convex flank
@@ -187,10 +187,10 @@ _ZHOU: dict[tuple[Method, int], float] = {
 }  # fmt: skip
 
 
-def envelope(device: str) -> dict[str, Any]:
+def envelope(device: str, size: str) -> dict[str, Any]:
     """Zhou's tables 3.5 and 3.6 measured again: the same arrays for every method, results compared first."""
     rows = []
-    for per_line in _PER_LINE:
+    for per_line in (*_PER_LINE, *(_LARGE if size == "large" else ())):
         w = workload(per_line)
         for group in (_MESHING, _CURVATURE):
             rows += _race(group, w, per_line)

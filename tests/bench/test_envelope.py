@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from gearsim import bench_envelope as bench
+from gearsim.bench import envelope as bench
 from gearsim.errors import NumericalError
 
 
@@ -65,7 +65,7 @@ def test_a_wrong_method_is_not_timed(work):
 def test_the_report_fits_its_columns_and_tells_zhous_ratios(monkeypatch):
     monkeypatch.setattr(bench, "_PER_LINE", (100,))
     monkeypatch.setattr(bench, "_ROUNDS", 2)
-    report = bench.envelope("cpu")
+    report = bench.envelope("cpu", "small")
     assert len(report["rows"]) == 9
     assert all(set(row) == set(report["columns"]) for row in report["rows"])
     assert {row["ratio in Zhou"] for row in report["rows"]} == {"-", 0.652, 0.848, 0.836}

@@ -1,0 +1,133 @@
+"""What the suites cut: rays, a motion and a tool, from the built-in scenes and from a block milled in five axes."""
+
+from __future__ import annotations
+
+from functools import cache
+from math import radians
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gearsim import flank_milling, generating
+from gearsim.cutters.end_mills import ball
+from gearsim.cutters.profile import Profile
+from gearsim.geometry.rays import RayBundle, join_rays
+from gearsim.geometry.rigid import Rigid
+from gearsim.metrology.dexel_check import slot_box
+from gearsim.metrology.samples import sample_grid
+from gearsim.motion.segments import SegmentTable, compile_motion, join
+from gearsim.motion.sources import CLMotion
+from gearsim.scene import FlankMillingScene, GeneratedScene, load_scene
+from gearsim.simulation.dexels import DexelBox
+
+BLOCK = (100.0, 60.0, 20.0)
+PITCH = 0.5
+BLOCK_SEGMENTS = 500_000
+BALL_MM, BALL_HEIGHT_MM = 6.0, 40.0
+LEVELS = 10
+STEPOVER = 1.0
+TILT = radians(15.0)
+COMPILED_AT_ONCE = 20_000
+
+
+class Case(NamedTuple):
+    """Rays to cut by a motion of a tool."""
+
+    name: str
+    rays: RayBundle
+    table: SegmentTable
+    cutter: Profile
+
+
+@cache
+def flank_job() -> flank_milling.Job:
+    """The README's job: scene spiral-bevel-flank, planned."""
+    scene, folder = load_scene("spiral-bevel-flank")
+    assert isinstance(scene, FlankMillingScene)
+    return flank_milling.plan(scene, folder)
+
+
+def normals(rows: int, columns: int) -> RayBundle:
+    """Rays along the normals of the README's convex flank."""
+    return sample_grid(flank_job().tooth.flank("convex"), rows, columns).rays()
+
+
+def flank_cases() -> list[Case]:
+    """Normals of a flank through its continuous pass and the whole program; a tri-dexel's bundle through the latter."""
+    job = flank_job()
+    rays = normals(65, 513)
+    dexels = slot_box(job.tooth.patches, job.tooth.blank, 0.15).rays(2)
+    return [
+        Case("normals, continuous", rays, job.theory["convex"].table, job.cutter),
+        Case("normals, CL data", rays, job.program, job.cutter),
+        Case("tri-dexel, CL data", dexels, job.program, job.cutter),
+    ]
+
+
+def head_case() -> Case:
+    """Normals of the face-milled convex flank through the roll of its ring-shaped head."""
+    scene, folder = load_scene("spiral-bevel-face-milled")
+    assert isinstance(scene, GeneratedScene)
+    job = generating.plan(scene, folder)
+    (cut,) = job.cuts
+    convex = next(patch for patch in cut.patches if patch.name == "convex")
+    table = job.compiled(cut, cut.sources[cut.generating]).table
+    return Case("normals, head's roll", sample_grid(convex, 33, 129, 0.01).rays(), table, cut.cutter)
+
+
+def base_cases() -> list[Case]:
+    """The removal suite's cases of fixed size: the README's flank and a ring-shaped head."""
+    return [*flank_cases(), head_case()]
+
+
+def block_path(share: float) -> CLMotion:
+    """Ramps in five axes over a share of the block, as many segments to its area as 500,000 to the whole.
+
+    Ten levels, zigzag lines 1 mm apart; from point to point the tip rises or sinks and the axis, within 15
+    degrees of the block's z, turns.
+    """
+    length, width, height = _block(share)
+    lines = max(1, round(width / STEPOVER))
+    points = max(2, 1 + round(share * BLOCK_SEGMENTS / (LEVELS * lines)))
+    level, line, k = (a.ravel() for a in np.indices((LEVELS, lines, points)))
+    along = k / (points - 1)
+    along = np.where(line % 2 == 1, 1.0 - along, along)
+    x, y = length * along, width * (line + 0.5) / lines
+    ramp = 0.5 * np.sin(0.7 * x + 0.4 * y) + 0.05 * (k % 2)
+    tips = np.stack([x, y, height * (1.0 - (level + 1.0) / LEVELS) + ramp], axis=1)
+    return CLMotion(tips, _axes(TILT * np.sin(0.11 * x + level), 0.1 * x + 0.1 * y))
+
+
+def _axes(tilt: NDArray, turn: NDArray) -> NDArray:
+    return np.stack([np.sin(tilt) * np.cos(turn), np.sin(tilt) * np.sin(turn), np.cos(tilt)], axis=1)
+
+
+def _block(share: float) -> tuple[float, float, float]:
+    return BLOCK[0] * share**0.5, BLOCK[1] * share**0.5, BLOCK[2]
+
+
+def block_rays(share: float, pitch: float) -> RayBundle:
+    """The tri-dexel of a share of the block, full height: its three bundles in one."""
+    box = DexelBox(Rigid(np.eye(3), np.zeros(3)), np.zeros(3), np.array(_block(share)), pitch)
+    return join_rays([box.rays(axis) for axis in range(3)])
+
+
+def block_case(share: float, pitch: float = PITCH) -> Case:
+    """A share of the block with its path and a 6 mm ball end mill."""
+    cutter = ball(BALL_MM, BALL_HEIGHT_MM)
+    return Case("block, tri-dexel", block_rays(share, pitch), compiled(block_path(share), cutter), cutter)
+
+
+def compiled(path: CLMotion, cutter: Profile) -> SegmentTable:
+    """A long path as a table, compiled in stretches to bound the memory."""
+    tables = []
+    for begin in range(0, path.pieces, COMPILED_AT_ONCE):
+        part = slice(begin, min(begin + COMPILED_AT_ONCE, path.pieces) + 1)
+        tables.append(compile_motion(CLMotion(path.tips[part], path.axes[part]), cutter.reach))
+    return join(tables)
+
+
+def some_rows(table: SegmentTable, chosen: NDArray | slice) -> SegmentTable:
+    """A selection of a table's rows."""
+    return SegmentTable(**{name: getattr(table, name)[chosen] for name in table.__dataclass_fields__})
