@@ -75,7 +75,8 @@ def _notes(device: str) -> list[str]:
         "seconds: median wall time of the launches; spread: (slowest - fastest)/median; mm: tolerance of an "
         "interval's end. Mcand/s: million ray-segment pairs in the bounding volumes; Mpairs/s: those whose swept "
         "interval was computed. speed-up: against one thread. Scenes spiral-bevel-flank and, for the head, "
-        "spiral-bevel-face-milled; the block is 100 x 60 x 20 mm scaled down.",
+        "spiral-bevel-face-milled; the block is 100 x 60 x 20 mm scaled down. Up to 2,048 rays are one slice "
+        "of work: more threads cannot help.",
         "poses/pair: evaluations of a pair, counted by the kernels; flop/pair: times the operations counted in the "
         "source (gearsim/bench/roofline.py), the turning away of a pair's rivals included; bytes/pair: loaded by the "
         "kernel, mostly from caches. of flops, of copy: share of this run's ceilings, "

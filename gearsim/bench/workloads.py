@@ -21,6 +21,7 @@ from gearsim.motion.sources import CLMotion
 from gearsim.scene import FlankMillingScene, GeneratedScene, load_scene
 from gearsim.simulation.dexels import DexelBox
 
+DEXEL_PITCH = 0.15
 BLOCK = (100.0, 60.0, 20.0)
 PITCH = 0.5
 BLOCK_SEGMENTS = 500_000
@@ -53,15 +54,25 @@ def normals(rows: int, columns: int) -> RayBundle:
     return sample_grid(flank_job().tooth.flank("convex"), rows, columns).rays()
 
 
+def slot_dexels(pitch: float = DEXEL_PITCH) -> RayBundle:
+    """The bundle across the root of the README's slot; 42,840 rays at 0.15 mm."""
+    job = flank_job()
+    return slot_box(job.tooth.patches, job.tooth.blank, pitch).rays(2)
+
+
+def about_dexels(count: int) -> RayBundle:
+    """The same bundle at the pitch that makes about ``count`` rays of it."""
+    return slot_dexels(DEXEL_PITCH * (42_840.0 / count) ** 0.5)
+
+
 def flank_cases() -> list[Case]:
     """Normals of a flank through its continuous pass and the whole program; a tri-dexel's bundle through the latter."""
     job = flank_job()
     rays = normals(65, 513)
-    dexels = slot_box(job.tooth.patches, job.tooth.blank, 0.15).rays(2)
     return [
         Case("normals, continuous", rays, job.theory["convex"].table, job.cutter),
         Case("normals, CL data", rays, job.program, job.cutter),
-        Case("tri-dexel, CL data", dexels, job.program, job.cutter),
+        Case("tri-dexel, CL data", slot_dexels(), job.program, job.cutter),
     ]
 
 
@@ -74,6 +85,14 @@ def head_case() -> Case:
     convex = next(patch for patch in cut.patches if patch.name == "convex")
     table = job.compiled(cut, cut.sources[cut.generating]).table
     return Case("normals, head's roll", sample_grid(convex, 33, 129, 0.01).rays(), table, cut.cutter)
+
+
+def pass_over_dexels() -> Case:
+    """A tri-dexel's bundle through one pass without its run-in and run-out: about 9.6 candidates a ray."""
+    job = flank_job()
+    table = job.theory["convex"].table
+    ends = round(0.16 * len(table))
+    return Case("tri-dexel, one pass", slot_dexels(), some_rows(table, slice(ends, len(table) - ends)), job.cutter)
 
 
 def base_cases() -> list[Case]:

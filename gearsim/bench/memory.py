@@ -1,0 +1,96 @@
+"""Memory of a cut: bytes of its arrays, counted, and the growth of a process that cuts, measured.
+
+Runs in processes of their own (``python -m gearsim.bench.memory``), whose peak no earlier work has raised.
+"""
+
+from __future__ import annotations
+
+import json
+import resource
+import subprocess
+import sys
+import tempfile
+from dataclasses import fields
+from time import perf_counter
+from typing import Any, NamedTuple
+
+from gearsim.bench.workloads import Case, about_dexels, block_case, block_rays, flank_job, pass_over_dexels, some_rows
+from gearsim.simulation import removal
+from gearsim.simulation.removal import SLOT_BYTES, Removal, cut, tile_rays
+
+SLOTS = 16
+SMALL_TILE = 1 << 24
+BOX_BYTES = 2 * 3 * 4
+DEVICE_ROW_BYTES = 2 * 6 * 24 + 3 * 8
+RAYS = {"small": (50_000, 500_000), "large": (200_000, 2_000_000)}
+SEGMENTS = {"small": (5_000, 50_000), "large": (20_000, 200_000)}
+
+
+class Peak(NamedTuple):
+    """What a process that cut ``rays`` by ``segments`` took: bytes at its peak, seconds of the launches."""
+
+    rays: int
+    segments: int
+    peak: int
+    seconds: float
+
+
+def arrays_bytes(data: Any) -> int:
+    """Bytes of a dataclass's arrays."""
+    return sum(getattr(data, f.name).nbytes for f in fields(data))
+
+
+def ray_bytes(case: Case, done: Removal) -> float:
+    """Counted bytes a ray beyond a tile's: the ray, its status, its intervals in the tile's result and in the whole."""
+    kept = arrays_bytes(done.removed) + done.ray_status.nbytes
+    return (arrays_bytes(case.rays) + 2 * kept) / len(case.rays)
+
+
+def segment_bytes(case: Case) -> float:
+    """Counted bytes a segment: the table and its parts before they are joined, boxes here and there, device copy."""
+    return (2 * arrays_bytes(case.table)) / len(case.table) + 2 * BOX_BYTES + DEVICE_ROW_BYTES
+
+
+def tile_bytes() -> float:
+    """Counted bytes of a tile that is full: its interval lists and the device's copy of its rays."""
+    return tile_rays(SLOTS) * (SLOTS * SLOT_BYTES + 4 + 64 + 12)
+
+
+def peak_of(kind: str, count: int, tile: int = SMALL_TILE) -> Peak:
+    """Cut ``count`` ``rays``, ``segments`` or rays through the ``program`` in a process of its own."""
+    command = [sys.executable, "-m", "gearsim.bench.memory", kind, str(count), str(tile)]
+    with tempfile.TemporaryDirectory() as nowhere:
+        done = subprocess.run(command, capture_output=True, text=True, check=True, cwd=nowhere)
+    return Peak(**json.loads(done.stdout.splitlines()[-1]))
+
+
+def growth(kind: str, size: str) -> tuple[float, float]:
+    """Measured bytes a ray or a segment, and what the process takes beside them [bytes]; tiles are kept small."""
+    few, many = (peak_of(kind, n) for n in (RAYS if kind == "rays" else SEGMENTS)[size])
+    column = 0 if kind == "rays" else 1
+    slope = (many.peak - few.peak) / (many[column] - few[column])
+    return slope, few.peak - slope * few[column]
+
+
+def _case(kind: str, count: int) -> Case:
+    if kind == "rays":
+        return pass_over_dexels()._replace(rays=about_dexels(count))
+    if kind == "program":
+        job = flank_job()
+        return Case("", about_dexels(count), job.program, job.cutter)
+    whole = block_case(count / 500_000.0)
+    return whole._replace(rays=block_rays(1e-3, 1.0), table=some_rows(whole.table, slice(0, count)))
+
+
+def _cut(kind: str, count: int, tile: int) -> Peak:
+    vars(removal)["TILE_BYTES"] = tile
+    case = _case(kind, count)
+    started = perf_counter()
+    cut(case.rays, case.table, case.cutter, slots=SLOTS)
+    seconds = perf_counter() - started
+    peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * 1024
+    return Peak(len(case.rays), len(case.table), peak, seconds)
+
+
+if __name__ == "__main__":
+    print(json.dumps(_cut(sys.argv[1], int(sys.argv[2]), int(sys.argv[3]))._asdict()))
