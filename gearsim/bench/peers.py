@@ -125,7 +125,7 @@ def race(work: Work, methods: Sequence[Peer], found: dict[str, Any]) -> list[dic
     ]  # fmt: skip
     for peer in methods:
         if peer.package and found[peer.package] is None:
-            rows.append(_row(work, peer.name, {"from": "not installed: pip install gearsim[peers]"}))
+            rows.append(_row(work, peer.name, {"from": f"not installed: pip install {peer.package}"}))
         else:
             rows.append(_peer_row(work, peer, _levels(peer, truth), mine))
     return rows

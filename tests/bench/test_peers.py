@@ -221,6 +221,7 @@ def test_missing_peers_are_rows_that_say_how_to_get_them(tiny, monkeypatch):
         monkeypatch.setitem(sys.modules, name, None)
     report = bench.peers("cpu")
     missing = [row for row in report["rows"] if "pip install" in str(row["from"])]
+    assert {row["from"].split()[-1] for row in missing} == set(bench.PEERS)
     assert {row["method"] for row in missing} == {"manifold3d hulls", "opencamlib drop cutter"}
     assert all(set(report["columns"]) <= set(row) for row in report["rows"])
     assert "manifold3d not installed" in report["notes"][-1]
