@@ -14,19 +14,13 @@ import gearsim
 from gearsim.bench.end_to_end import end_to_end
 from gearsim.bench.envelope import envelope
 from gearsim.bench.goals import goals
+from gearsim.bench.peers import peers
 from gearsim.bench.removal import removal
 from gearsim.bench.scaling import scaling
 from gearsim.errors import InputError
 from gearsim.simulation.removal import device_name
 
 Suite = Callable[[str, str], dict[str, Any]]
-
-
-def peers(device: str, size: str) -> dict[str, Any]:
-    """Other programs on the same work: time at equal error, error in equal time (also: gearsim bench --peers)."""
-    from gearsim.bench import peers as suite
-
-    return suite.peers(device, size)
 
 
 SIZES = ("small", "large")

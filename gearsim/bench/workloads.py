@@ -91,7 +91,7 @@ def pass_over_dexels() -> Case:
     """A tri-dexel's bundle through one pass without its run-in and run-out: about 9.6 candidates a ray."""
     job = flank_job()
     table = job.theory["convex"].table
-    ends = round(0.16 * len(table))
+    ends = round(0.19 * len(table))
     return Case("tri-dexel, one pass", slot_dexels(), some_rows(table, slice(ends, len(table) - ends)), job.cutter)
 
 

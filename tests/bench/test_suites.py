@@ -1,19 +1,22 @@
 """The suites' reports at tiny sizes, their arithmetic, and their command; no assertion on time."""
 
 import json
+import subprocess
+import sys
 from math import sqrt
 from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
-from gearsim.bench import ceiling, counting, end_to_end, goals, memory, removal, roofline, scaling, suites, workloads
+from gearsim.bench import ceiling, end_to_end, goals, memory, removal, roofline, scaling, suites, workloads
 from gearsim.bench.timing import Times, timed_cuts, timed_row
 from gearsim.cli import main
 from gearsim.cutters.catalogue import ball, conical
 from gearsim.errors import InputError, NumericalError
 from gearsim.output.screen import print_bench
 from gearsim.output.summary import write_json
+from gearsim.simulation.removal import cut
 
 
 @pytest.fixture
@@ -36,7 +39,7 @@ def tiny(monkeypatch):
     monkeypatch.setattr(scaling, "SEGMENTS", few)
     monkeypatch.setattr(scaling, "BLOCK_SHARE", {"small": 2e-3, "large": 2e-3})
     monkeypatch.setattr(scaling, "growth", lambda kind, size: (100.0, 2e8))
-    monkeypatch.setattr(scaling, "peak_of", lambda *job: memory.Peak(1000, 276, 10**9, 2.0))
+    monkeypatch.setattr(scaling, "peak_of", lambda *job: memory.Peak(1000, 276, 10**9, 2.0, 3.0))
     monkeypatch.setattr(end_to_end, "_run", lambda folder, device: dict.fromkeys(("seconds", *end_to_end.STAGES), 2.0))
 
 
@@ -238,8 +241,19 @@ def test_a_failed_run_is_told(tmp_path, monkeypatch):
         end_to_end._run(tmp_path, "cpu")
 
 
-def test_poses_are_counted_by_key():
-    assert counting.key("normals", 1e-9) == "normals @ 1e-09"
+def test_poses_are_counted_by_the_kernels():
+    """At least one a candidate and both ends of every pair; more, the finer the tolerance."""
+    case = workloads.pass_over_dexels()._replace(name="cut", rays=workloads.about_dexels(200))
+    script = (
+        "import json\nfrom gearsim.bench import counting, workloads\n"
+        "case = workloads.pass_over_dexels()._replace(name='cut', rays=workloads.about_dexels(200))\n"
+        "counting.base_cases = lambda: [case]\n"
+        "print(json.dumps(counting._count('cpu', [1e-3, 1e-9])))\n"
+    )
+    done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=True)
+    poses = json.loads(done.stdout.splitlines()[-1])
+    plain = cut(case.rays, case.table, case.cutter, tolerance=1e-9)
+    assert plain.candidates + 2 * plain.pairs <= poses["cut @ 0.001"] < poses["cut @ 1e-09"]
 
 
 def test_the_command_lists_suites_and_refuses_nonsense(capsys):
