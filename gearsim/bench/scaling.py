@@ -144,6 +144,6 @@ def _notes(last: Case) -> list[str]:
 def _big_note(big: dict[str, float]) -> str:
     return (
         f"Run: {big['rays']:,} tri-dexel rays through {big['segments']:,} segments on all cores in "
-        f"{big['seconds']:.0f} s, CPU time {big['cpu_s']:.0f} s (the law says {big['predicted_s']:.0f}), peak {1e-9 * big['peak']:.2f} GB (the "
-        f"law says at most {1e-9 * big['predicted_peak']:.2f})."
+        f"{big['seconds']:.0f} s, CPU time {big['cpu_s']:.0f} s (the law says {big['predicted_s']:.0f}), peak "
+        f"{1e-9 * big['peak']:.2f} GB (the law says at most {1e-9 * big['predicted_peak']:.2f})."
     )

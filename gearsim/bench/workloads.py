@@ -100,19 +100,20 @@ def base_cases() -> list[Case]:
     return [*flank_cases(), head_case()]
 
 
-def block_path(share: float) -> CLMotion:
+def block_path(share: float, over: float = 0.0) -> CLMotion:
     """Ramps in five axes over a share of the block, as many segments to its area as 500,000 to the whole.
 
-    Ten levels, zigzag lines 1 mm apart; from point to point the tip rises or sinks and the axis, within 15
-    degrees of the block's z, turns.
+    Ten levels, zigzag lines 1 mm apart, ``over`` [mm] beyond every side; from point to point the tip rises or
+    sinks and the axis, within 15 degrees of the block's z, turns.
     """
     length, width, height = _block(share)
+    length, width = length + 2.0 * over, width + 2.0 * over
     lines = max(1, round(width / STEPOVER))
-    points = max(2, 1 + round(share * BLOCK_SEGMENTS / (LEVELS * lines)))
+    points = max(2, 1 + round(length * width / (BLOCK[0] * BLOCK[1]) * BLOCK_SEGMENTS / (LEVELS * lines)))
     level, line, k = (a.ravel() for a in np.indices((LEVELS, lines, points)))
     along = k / (points - 1)
     along = np.where(line % 2 == 1, 1.0 - along, along)
-    x, y = length * along, width * (line + 0.5) / lines
+    x, y = length * along - over, width * (line + 0.5) / lines - over
     ramp = 0.5 * np.sin(0.7 * x + 0.4 * y) + 0.05 * (k % 2)
     tips = np.stack([x, y, height * (1.0 - (level + 1.0) / LEVELS) + ramp], axis=1)
     return CLMotion(tips, _axes(TILT * np.sin(0.11 * x + level), 0.1 * x + 0.1 * y))
@@ -132,10 +133,10 @@ def block_rays(share: float, pitch: float) -> RayBundle:
     return join_rays([box.rays(axis) for axis in range(3)])
 
 
-def block_case(share: float, pitch: float = PITCH) -> Case:
-    """A share of the block with its path and a 6 mm ball end mill."""
+def block_case(share: float, pitch: float = PITCH, over: float = 0.0) -> Case:
+    """A share of the block with its path, ``over`` [mm] beyond every side, and a 6 mm ball end mill."""
     cutter = ball(BALL_MM, BALL_HEIGHT_MM)
-    return Case("block, tri-dexel", block_rays(share, pitch), compiled(block_path(share), cutter), cutter)
+    return Case("block, tri-dexel", block_rays(share, pitch), compiled(block_path(share, over), cutter), cutter)
 
 
 def compiled(path: CLMotion, cutter: Profile) -> SegmentTable:
