@@ -53,6 +53,21 @@ def _parser() -> argparse.ArgumentParser:
     parser.add_argument("--version", action="version", version=f"gearsim {__version__}")
     commands = parser.add_subparsers(required=True, metavar="COMMAND")
 
+    _add_run(commands)
+    scenes = commands.add_parser("scenes", help="list the built-in scenes")
+    scenes.set_defaults(command=_scenes)
+
+    new = commands.add_parser("new", help="write a commented scene to start from")
+    new.add_argument("name", help="the scene's name; NAME.toml is written into the current folder")
+    new.add_argument("--like", default="spiral-bevel-flank", help="built-in scene to copy (default: %(default)s)")
+    new.set_defaults(command=_new)
+
+    _add_verify(commands)
+    _add_bench(commands)
+    return parser
+
+
+def _add_run(commands: Any) -> None:
     run = commands.add_parser(
         "run",
         help="simulate a scene, measure the tooth and write the report",
@@ -75,14 +90,8 @@ def _parser() -> argparse.ArgumentParser:
     run.add_argument("--dry-run", action="store_true", help="say what would be cut, how large, how long; cut nothing")
     run.set_defaults(command=_run)
 
-    scenes = commands.add_parser("scenes", help="list the built-in scenes")
-    scenes.set_defaults(command=_scenes)
 
-    new = commands.add_parser("new", help="write a commented scene to start from")
-    new.add_argument("name", help="the scene's name; NAME.toml is written into the current folder")
-    new.add_argument("--like", default="spiral-bevel-flank", help="built-in scene to copy (default: %(default)s)")
-    new.set_defaults(command=_new)
-
+def _add_verify(commands: Any) -> None:
     verify = commands.add_parser(
         "verify",
         help="check closed-form surfaces against brute force that uses no envelope condition",
@@ -104,6 +113,8 @@ def _parser() -> argparse.ArgumentParser:
     verify.add_argument("--out", type=Path, metavar="FILE", help="also write the figures as JSON to this file")
     verify.set_defaults(command=_verify)
 
+
+def _add_bench(commands: Any) -> None:
     bench = commands.add_parser("bench", help="measure speed: rays, segments and ray-segment pairs per second")
     bench.add_argument("suite", nargs="?", help="the suite to run (default: list them)")
     bench.add_argument("--size", default="small", help="small (under 45 s on two cores; default) or large")
@@ -111,7 +122,6 @@ def _parser() -> argparse.ArgumentParser:
     bench.add_argument("--device", default="cpu", help="cpu or cuda:0, ...")
     bench.add_argument("--out", type=Path, help="also write the figures as JSON to this file")
     bench.set_defaults(command=_bench)
-    return parser
 
 
 def _run(options: argparse.Namespace) -> int:

@@ -8,6 +8,7 @@ from types import TracebackType
 from typing import Any
 
 from rich.console import Console
+from rich.markup import escape
 from rich.progress import BarColumn, Progress, SpinnerColumn, TaskID, TextColumn, TimeElapsedColumn
 from rich.table import Table
 
@@ -123,10 +124,10 @@ def print_bench(report: dict[str, Any]) -> None:
         text = all(isinstance(row[head], str) for row in report["rows"])
         table.add_column(head, justify="left" if text else "right")
     for row in report["rows"]:
-        table.add_row(*(_figure(row[head]) for head in report["columns"]))
+        table.add_row(*(escape(_figure(row[head])) for head in report["columns"]))
     (_CONSOLE if _CONSOLE.is_terminal else Console(highlight=False, width=_WIDE)).print(table)
     for line in report["notes"]:
-        _CONSOLE.print(line)
+        _CONSOLE.print(line, markup=False)
 
 
 def _figure(x: Any) -> str:
