@@ -4,7 +4,7 @@ import warp as wp
 
 from gearsim.kernels.distance import closest_point, outside_distance
 from gearsim.kernels.pose import Motion, Pose, pose_at
-from gearsim.kernels.profile import FAR, TINY, Cutter, ToolRay, cutter_interval, face_normal
+from gearsim.kernels.profile import FAR, TINY, Cutter, ToolRay, cutter_interval, face_normal, tool_ray
 
 f64 = wp.float64
 
@@ -29,18 +29,6 @@ class Chord:
 
     entry: Contact
     exit: Contact
-
-
-@wp.func
-def tool_ray(pose: Pose, origin: wp.vec3d, direction: wp.vec3d) -> ToolRay:
-    """The ray seen from the tool at a pose."""
-    ray = ToolRay()
-    q = origin - pose.tip
-    ray.z0 = wp.dot(q, pose.axis)
-    ray.dz = wp.dot(direction, pose.axis)
-    ray.w0 = q - ray.z0 * pose.axis
-    ray.w1 = direction - ray.dz * pose.axis
-    return ray
 
 
 @wp.func
@@ -71,10 +59,8 @@ def contact_rates(cutter: Cutter, pose: Pose, ray: ToolRay, x: f64, tau: f64, fa
 def chord_at(cutter: Cutter, motion: Motion, row: int, origin: wp.vec3d, direction: wp.vec3d, x: f64) -> Chord:
     """The ray's chord through the cutter at parameter x of a row."""
     pose = pose_at(motion, row, x)
-    middle = pose.tip + cutter.middle * pose.axis
-    shift = wp.dot(middle - origin, direction)
-    ray = tool_ray(pose, origin + shift * direction, direction)
-    hit = cutter_interval(cutter, ray, f64(0.0))
+    ray = tool_ray(pose.tip, pose.axis, cutter.middle, origin, direction)
+    hit = cutter_interval(cutter, ray)
     chord = Chord()
     chord.entry.found = 0
     chord.exit.found = 0
@@ -85,8 +71,8 @@ def chord_at(cutter: Cutter, motion: Motion, row: int, origin: wp.vec3d, directi
     if hit.found == 1:
         chord.entry = contact_rates(cutter, pose, ray, x, hit.lo, hit.lo_face)
         chord.exit = contact_rates(cutter, pose, ray, x, hit.hi, hit.hi_face)
-        chord.entry.tau = hit.lo + shift
-        chord.exit.tau = -(hit.hi + shift)
+        chord.entry.tau = hit.lo + ray.shift
+        chord.exit.tau = -(hit.hi + ray.shift)
         chord.entry.steep = wp.max(chord.entry.steep, f64(0.0))
         chord.exit.steep = wp.max(-chord.exit.steep, f64(0.0))
     return chord
@@ -109,31 +95,14 @@ def overlap(a: Chord, b: Chord) -> bool:
 
 
 @wp.func
-def gap_at(
-    cutter: Cutter, motion: Motion, row: int, origin: wp.vec3d, direction: wp.vec3d, bound: f64, x: f64
-) -> wp.vec2d:
+def gap_at(cutter: Cutter, motion: Motion, row: int, origin: wp.vec3d, direction: wp.vec3d, x: f64) -> wp.vec2d:
     """Distance between a ray that misses and the cutter at x, and its derivative by x."""
     pose = pose_at(motion, row, x)
-    middle = pose.tip + cutter.middle * pose.axis
-    shift = wp.dot(middle - origin, direction)
-    ray = tool_ray(pose, origin + shift * direction, direction)
-    tau = closest_point(cutter, ray, bound)
+    ray = tool_ray(pose.tip, pose.axis, cutter.middle, origin, direction)
+    tau = closest_point(cutter, ray)
     z = ray.z0 + tau * ray.dz
     w = ray.w0 + tau * ray.w1
     r = wp.max(wp.length(w), TINY)
     d = outside_distance(cutter, r, z)
     c = with_rates(pose, ray, x, tau, z, w, r, wp.vec2d(d[1], d[2]))
     return wp.vec2d(d[0], c.push)
-
-
-@wp.func
-def may_meet(cutter: Cutter, motion: Motion, row: int, origin: wp.vec3d, direction: wp.vec3d) -> wp.vec2d:
-    """Interval of the ray inside the mid-pose cutter grown by the segment's displacement; empty (1, 0)."""
-    pose = pose_at(motion, row, f64(0.0))
-    middle = pose.tip + cutter.middle * pose.axis
-    shift = wp.dot(middle - origin, direction)
-    ray = tool_ray(pose, origin + shift * direction, direction)
-    hit = cutter_interval(cutter, ray, motion.speed[row] * f64(1.0001))
-    if hit.found == 0:
-        return wp.vec2d(f64(1.0), f64(0.0))
-    return wp.vec2d(hit.lo + shift, hit.hi + shift)

@@ -72,10 +72,10 @@ def ray_distance(cutter: Cutter, ray: ToolRay, tau: f64) -> wp.vec2d:
 
 
 @wp.func
-def closest_point(cutter: Cutter, ray: ToolRay, bound: f64) -> f64:
+def closest_point(cutter: Cutter, ray: ToolRay) -> f64:
     """Tau at which a ray that misses the cutter comes closest to it; safeguarded secant on the derivative."""
-    a = -bound
-    b = bound
+    a = -cutter.size
+    b = cutter.size
     fa = ray_distance(cutter, ray, a)[1]
     fb = ray_distance(cutter, ray, b)[1]
     tau = f64(0.0)

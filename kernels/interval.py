@@ -2,6 +2,8 @@
 
 import warp as wp
 
+from gearsim.kernels.profile import FAR
+
 f64 = wp.float64
 
 
@@ -24,6 +26,18 @@ def covers(lists: IntervalLists, ray: int, lo: f64, hi: f64) -> bool:
         if lists.lo[ray, k] <= lo and hi <= lists.hi[ray, k]:
             return True
     return False
+
+
+@wp.func
+def hull(lists: IntervalLists, ray: int, lo: f64, hi: f64) -> wp.vec2d:
+    """From the start of the first to the end of the last interval that meets [lo, hi]; (FAR, -FAR) if none."""
+    start = FAR
+    end = -FAR
+    for k in range(lists.count[ray]):
+        if lists.lo[ray, k] <= hi and lo <= lists.hi[ray, k]:
+            start = wp.min(start, lists.lo[ray, k])
+            end = wp.max(end, lists.hi[ray, k])
+    return wp.vec2d(start, end)
 
 
 @wp.func

@@ -22,28 +22,39 @@ NEWTON_STEPS = wp.constant(60)
 class Cutter:
     """Slabs from the tip up, part after part; lengths in mm, tool frame.
 
-    ``slabs`` row: z0, z1, radius at z0, slope dr/dz (line) or centre r, centre z, radius (arc; a centre
-    beyond the axis makes a spindle). Part p owns the slabs ``part_first[p]`` to ``part_first[p + 1]``; the
-    part looked at owns ``first`` to ``end``, and ``middle`` is the height of its middle.
+    ``slabs`` row: z0, z1, then radius at z0, slope dr/dz, sqrt(1 + slope²) (line) or centre r, centre z, radius
+    (arc; a centre beyond the axis makes a spindle). Part p owns the slabs ``part_first[p]`` to
+    ``part_first[p + 1]``; job j has the parts ``job_first[j]`` to ``job_first[j + 1]``. The part looked at owns
+    ``first`` to ``end``, ``middle`` is the height of its middle and ``size`` more than its largest extent.
     """
 
     kind: wp.array(dtype=wp.int32)
     slabs: wp.array2d(dtype=f64)
     part_first: wp.array(dtype=wp.int32)
-    parts: wp.int32
+    part_size: wp.array(dtype=f64)
+    job_first: wp.array(dtype=wp.int32)
     first: wp.int32
     end: wp.int32
     middle: f64
+    size: f64
 
 
 @wp.struct
 class ToolRay:
-    """A ray seen from the tool: x - tip = z l + w, with z = z0 + tau dz and w = w0 + tau w1."""
+    """A ray seen from the tool: x - tip = z l + w, with z = z0 + tau dz and w = w0 + tau w1.
 
+    tau counts from the ray's point ``shift``, which is closest to the tool's middle: far origins cost no
+    digits. |w|² = base + 2 tau half + tau² square.
+    """
+
+    shift: f64
     z0: f64
     dz: f64
     w0: wp.vec3d
     w1: wp.vec3d
+    base: f64
+    half: f64
+    square: f64
 
 
 @wp.struct
@@ -63,8 +74,26 @@ def convex_part(cutter: Cutter, part: int) -> Cutter:
     one = cutter
     one.first = cutter.part_first[part]
     one.end = cutter.part_first[part + 1]
+    one.size = cutter.part_size[part]
     one.middle = f64(0.5) * (cutter.slabs[one.first, 0] + cutter.slabs[one.end - 1, 1])
     return one
+
+
+@wp.func
+def tool_ray(tip: wp.vec3d, axis: wp.vec3d, middle: f64, origin: wp.vec3d, direction: wp.vec3d) -> ToolRay:
+    """The ray seen from a tool at rest, whose middle is ``middle`` [mm] from its tip."""
+    q = origin - tip
+    ray = ToolRay()
+    ray.dz = wp.dot(direction, axis)
+    ray.shift = middle * ray.dz - wp.dot(q, direction)
+    q = q + ray.shift * direction
+    ray.z0 = wp.dot(q, axis)
+    ray.w0 = q - ray.z0 * axis
+    ray.w1 = direction - ray.dz * axis
+    ray.base = wp.dot(ray.w0, ray.w0)
+    ray.half = wp.dot(ray.w0, ray.w1)
+    ray.square = wp.dot(ray.w1, ray.w1)
+    return ray
 
 
 @wp.func
@@ -72,9 +101,9 @@ def line_interval(ray: ToolRay, radius: f64, slope: f64, z_base: f64, lo: f64, h
     """Part of [lo, hi] with |w| <= radius + slope (z - z_base); empty as (1, 0)."""
     edge = radius + slope * (ray.z0 - z_base)
     edge_rate = slope * ray.dz
-    a = wp.dot(ray.w1, ray.w1) - edge_rate * edge_rate
-    b = wp.dot(ray.w0, ray.w1) - edge * edge_rate
-    c = wp.dot(ray.w0, ray.w0) - edge * edge
+    a = ray.square - edge_rate * edge_rate
+    b = ray.half - edge * edge_rate
+    c = ray.base - edge * edge
     if wp.abs(a) < TINY:
         a = TINY
     disc = b * b - a * c
@@ -148,19 +177,26 @@ def puck_end(ray: ToolRay, centre_r: f64, centre_z: f64, radius: f64, start: f64
 
 
 @wp.func
-def arc_interval(ray: ToolRay, centre_r: f64, centre_z: f64, radius: f64, lo: f64, hi: f64) -> wp.vec2d:
-    """Part of [lo, hi] inside the puck of an arc; empty as (1, 0)."""
+def ball_interval(ray: ToolRay, centre_z: f64, radius: f64, lo: f64, hi: f64) -> wp.vec2d:
+    """Part of [lo, hi] inside a ball on the axis; empty as (1, 0)."""
     z = ray.z0 - centre_z
-    b = wp.dot(ray.w0, ray.w1) + z * ray.dz
-    ball = (centre_r + radius) * (centre_r + radius)
-    if centre_r < f64(0.0):
-        ball = radius * radius - centre_r * centre_r
-    disc = b * b - (wp.dot(ray.w0, ray.w0) + z * z - ball)
+    b = ray.half + z * ray.dz
+    disc = b * b - (ray.base + z * z - radius * radius)
     if disc < f64(0.0):
         return wp.vec2d(f64(1.0), f64(0.0))
     root = wp.sqrt(disc)
-    start = wp.max(lo, -b - root)
-    stop = wp.min(hi, -b + root)
+    return wp.vec2d(wp.max(lo, -b - root), wp.min(hi, root - b))
+
+
+@wp.func
+def arc_interval(ray: ToolRay, centre_r: f64, centre_z: f64, radius: f64, lo: f64, hi: f64) -> wp.vec2d:
+    """Part of [lo, hi] inside the puck of an arc; empty as (1, 0)."""
+    ball = centre_r + radius
+    if centre_r < f64(0.0):
+        ball = wp.sqrt(radius * radius - centre_r * centre_r)
+    near = ball_interval(ray, centre_z, ball, lo, hi)
+    start = near[0]
+    stop = near[1]
     if start > stop:
         return wp.vec2d(f64(1.0), f64(0.0))
     first = puck_end(ray, centre_r, centre_z, radius, start, stop)
@@ -173,15 +209,15 @@ def arc_interval(ray: ToolRay, centre_r: f64, centre_z: f64, radius: f64, lo: f6
 
 
 @wp.func
-def cutter_interval(cutter: Cutter, ray: ToolRay, inflate: f64) -> Hit:
-    """Interval of a unit-speed ray inside the cutter grown by ``inflate`` [mm], or a little more."""
+def cutter_interval(cutter: Cutter, ray: ToolRay) -> Hit:
+    """Interval of a unit-speed ray inside the cutter."""
     hit = Hit()
     hit.found = 0
     hit.lo = FAR
     hit.hi = -FAR
     for k in range(cutter.first, cutter.end):
-        z0 = cutter.slabs[k, 0] - inflate
-        z1 = cutter.slabs[k, 1] + inflate
+        z0 = cutter.slabs[k, 0]
+        z1 = cutter.slabs[k, 1]
         lo = -FAR
         hi = FAR
         if wp.abs(ray.dz) > TINY:
@@ -193,11 +229,9 @@ def cutter_interval(cutter: Cutter, ray: ToolRay, inflate: f64) -> Hit:
             continue
         part = wp.vec2d(f64(1.0), f64(0.0))
         if cutter.kind[k] == LINE:
-            slope = cutter.slabs[k, 3]
-            radius = cutter.slabs[k, 2] + inflate * wp.sqrt(f64(1.0) + slope * slope)
-            part = line_interval(ray, radius, slope, cutter.slabs[k, 0], lo, hi)
+            part = line_interval(ray, cutter.slabs[k, 2], cutter.slabs[k, 3], z0, lo, hi)
         else:
-            part = arc_interval(ray, cutter.slabs[k, 2], cutter.slabs[k, 3], cutter.slabs[k, 4] + inflate, lo, hi)
+            part = arc_interval(ray, cutter.slabs[k, 2], cutter.slabs[k, 3], cutter.slabs[k, 4], lo, hi)
         if part[0] > part[1]:
             continue
         hit.found = 1
@@ -229,7 +263,6 @@ def face_normal(cutter: Cutter, face: int, r: f64, z: f64) -> wp.vec2d:
             return wp.vec2d(f64(0.0), f64(1.0))
         return wp.vec2d(f64(0.0), f64(-1.0))
     if cutter.kind[k] == LINE:
-        slope = cutter.slabs[k, 3]
-        scale = f64(1.0) / wp.sqrt(f64(1.0) + slope * slope)
-        return wp.vec2d(scale, -slope * scale)
-    return wp.normalize(wp.vec2d(r - cutter.slabs[k, 2], z - cutter.slabs[k, 3]))
+        scale = f64(1.0) / cutter.slabs[k, 4]
+        return wp.vec2d(scale, -cutter.slabs[k, 3] * scale)
+    return wp.vec2d(wp.max(r - cutter.slabs[k, 2], f64(0.0)), z - cutter.slabs[k, 3]) / cutter.slabs[k, 4]

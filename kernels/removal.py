@@ -2,7 +2,7 @@
 
 import warp as wp
 
-from gearsim.kernels.contact import may_meet
+from gearsim.kernels.cull import Groups, near_stretch
 from gearsim.kernels.interval import IntervalLists, covers
 from gearsim.kernels.pose import Motion
 from gearsim.kernels.profile import Cutter, convex_part
@@ -15,13 +15,23 @@ wp.set_module_options({"enable_backward": False})
 CAPSULE_PAD = wp.constant(wp.float32(1.0e-3))
 
 
+@wp.func
+def may_cut(
+    cutter: Cutter, tip: wp.vec3d, axis: wp.vec3d, spread: f64, origin: wp.vec3d, direction: wp.vec3d,
+    window: wp.vec2d, ray: int, lists: IntervalLists,
+) -> bool:  # fmt: skip
+    """Whether the cutter within ``spread`` [mm] of a pose may meet what the ray's list does not hold yet."""
+    near = near_stretch(cutter, tip, axis, spread, origin, direction, window)
+    return near[0] <= near[1] and not covers(lists, ray, near[0], near[1])
+
+
 @wp.kernel
 def cut_rays(
     # cutter
     cutter: Cutter,
-    bound: f64,
     # motion
     motion: Motion,
+    groups: Groups,
     bvh: wp.uint64,
     tolerance: f64,
     # in
@@ -30,33 +40,46 @@ def cut_rays(
     direction: wp.array(dtype=wp.vec3d),
     tau_min: wp.array(dtype=f64),
     tau_max: wp.array(dtype=f64),
+    job: wp.array(dtype=wp.int32),
     # out
     lists_out: IntervalLists,
     candidates_out: wp.array(dtype=wp.int32),
     pairs_out: wp.array(dtype=wp.int32),
     status_out: wp.array(dtype=wp.int32),
 ):
-    """Cut each ray by all segments whose bounds its window [tau_min, tau_max] meets, a convex part at a time."""
+    """Cut each ray by its job's segments whose bounds its window [tau_min, tau_max] meets, a convex part at a time."""
     ray = first + wp.tid()
     o = origin[ray]
     d = direction[ray]
-    lo = tau_min[ray]
-    hi = tau_max[ray]
-    query = wp.bvh_query_capsule(bvh, wp.vec3(o + lo * d), wp.vec3((hi - lo) * d), CAPSULE_PAD)
-    row = int(0)
+    window = wp.vec2d(tau_min[ray], tau_max[ray])
+    root = wp.bvh_get_group_root(bvh, job[ray])
+    if root < 0:
+        return
     candidates = int(0)
     pairs = int(0)
     status = int(0)
-    while wp.bvh_query_next(query, row, wp.float32(1.0)):
-        candidates += 1
-        for k in range(cutter.parts):
-            part = convex_part(cutter, k)
-            near = may_meet(part, motion, row, o, d)
-            near_lo = wp.max(near[0], lo)
-            near_hi = wp.min(near[1], hi)
-            if near[0] <= near[1] and near_lo <= near_hi and not covers(lists_out, ray, near_lo, near_hi):
-                pairs += 1
-                status = status | cut_by_segment(part, motion, row, o, d, tolerance, bound, ray, lists_out)
+    for p in range(cutter.job_first[job[ray]], cutter.job_first[job[ray] + 1]):
+        part = convex_part(cutter, p)
+        candidates = int(0)
+        query = wp.bvh_query_capsule(
+            bvh, wp.vec3(o + window[0] * d), wp.vec3((window[1] - window[0]) * d), CAPSULE_PAD, root
+        )
+        group = int(0)
+        while wp.bvh_query_next(query, group, wp.float32(1.0)):
+            row = groups.first[group]
+            end = groups.first[group + 1]
+            candidates += end - row
+            tip = groups.tip[group]
+            axis = groups.axis[group]
+            if end - row > 1 and not may_cut(part, tip, axis, groups.spread[group], o, d, window, ray, lists_out):
+                row = end
+            while row < end:
+                tip = motion.tip[row, 0]
+                axis = motion.axis[row, 0]
+                if may_cut(part, tip, axis, motion.speed[row], o, d, window, ray, lists_out):
+                    pairs += 1
+                    status = status | cut_by_segment(part, motion, row, o, d, window, tolerance, ray, lists_out)
+                row += 1
     candidates_out[ray] = candidates
     pairs_out[ray] = pairs
     status_out[ray] = status

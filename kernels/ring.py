@@ -7,9 +7,8 @@ or arc that is the distance from its centre less its radius. So no nearest eleme
 
 import warp as wp
 
-from gearsim.kernels.contact import tool_ray
 from gearsim.kernels.pose import Motion, pose_at
-from gearsim.kernels.profile import FAR, TINY, line_interval
+from gearsim.kernels.profile import FAR, TINY, line_interval, tool_ray
 
 f64 = wp.float64
 
@@ -106,9 +105,7 @@ def gap_of(ring: Ring, motion: Motion, row: int, origin: wp.vec3d, direction: wp
 @wp.func
 def window_of(ring: Ring, motion: Motion, row: int, origin: wp.vec3d, direction: wp.vec3d) -> wp.vec2d:
     """Interval of the ray inside the mid-pose ring's cylinder grown by the segment's displacement; empty (1, 0)."""
-    pose = pose_at(motion, row, f64(0.0))
-    shift = wp.dot(pose.tip - origin, direction)
-    ray = tool_ray(pose, origin + shift * direction, direction)
+    ray = tool_ray(motion.tip[row, 0], motion.axis[row, 0], f64(0.0), origin, direction)
     grown = motion.speed[row] * f64(1.0001)
     lo = -FAR
     hi = FAR
@@ -120,4 +117,4 @@ def window_of(ring: Ring, motion: Motion, row: int, origin: wp.vec3d, direction:
     elif ray.z0 < ring.bottom - grown or ray.z0 > ring.top + grown:
         return wp.vec2d(f64(1.0), f64(0.0))
     part = line_interval(ray, ring.radius + grown, f64(0.0), f64(0.0), lo, hi)
-    return part + wp.vec2d(shift, shift)
+    return part + wp.vec2d(ray.shift, ray.shift)

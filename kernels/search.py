@@ -42,7 +42,8 @@ class Extreme:
 @wp.struct
 class Search:
     """State of a search: the bracket [a, b] of the descent, the earliest contact ``best``, and ``here``,
-    up to which a march has come; ``x`` is where to look next, the rest as in Extreme.
+    up to which a march has come; ``x`` is where to look next. An entry as early as ``known`` is in the ray's
+    list already. The rest as in Extreme.
     """
 
     phase: wp.int32
@@ -54,6 +55,7 @@ class Search:
     from_x: f64
     to_x: f64
     gap: wp.int32
+    known: f64
 
 
 @wp.func
@@ -118,7 +120,7 @@ def straddles(a: Contact, b: Contact) -> bool:
 
 
 @wp.func
-def descent_point(a: Contact, b: Contact, tolerance: f64, curvature: f64, spin: f64, turn: int) -> wp.vec2d:
+def descent_point(a: Contact, b: Contact, known: f64, tolerance: f64, curvature: f64, spin: f64, turn: int) -> wp.vec2d:
     """Where to look next for a minimum between a and b, and 1 where no more than the tolerance is left.
 
     A guess close to one end is moved past the minimum, so that both ends close in on it.
@@ -132,7 +134,7 @@ def descent_point(a: Contact, b: Contact, tolerance: f64, curvature: f64, spin: 
         finished = finished or b.push <= f64(0.0)
     if not finished and straddles(a, b):
         bound = lower_bound(a, b, curvature, spin)
-        finished = wp.min(a.tau, b.tau) - bound[1] < f64(0.5) * tolerance
+        finished = wp.min(wp.min(a.tau, b.tau), known) - bound[1] < f64(0.5) * tolerance
         if turn % 3 == 0:
             x = cubic_minimum(a, b)
         elif turn % 3 == 1:
@@ -183,8 +185,10 @@ def march_point(
 
 
 @wp.func
-def start_search(left: Contact, right: Contact) -> Search:
-    """A descent in the bracket [left, right]."""
+def start_search(
+    left: Contact, right: Contact, known: f64, enough: f64, tolerance: f64, curvature: f64, spin: f64
+) -> Search:  # fmt: skip
+    """A descent in the bracket [left, right], or nothing left to do where its ends certify that."""
     s = Search()
     s.phase = DESCEND
     s.a = left
@@ -195,18 +199,33 @@ def start_search(left: Contact, right: Contact) -> Search:
     s.here = s.best
     s.from_x = left.x
     s.to_x = right.x
+    s.known = known
+    if wp.min(s.best.tau, known) < enough:
+        s.phase = DONE
+        return s
+    here = left
+    end = right
+    if left.found == 0:
+        here = right
+        end = left
+    if march_point(here, end, wp.min(s.best.tau, known), tolerance, curvature, spin, f64(0.0))[1] == f64(1.0):
+        s.phase = DONE
     return s
 
 
 @wp.func
 def aim(
-    s: Search, left: Contact, right: Contact, tolerance: f64, curvature: f64, spin: f64, turn: int
+    s: Search, left: Contact, right: Contact, enough: f64, tolerance: f64, curvature: f64, spin: f64, turn: int
 ) -> Search:  # fmt: skip
     """Choose where to look next, going on to the next phase where one has nothing left to look for."""
+    best = wp.min(s.best.tau, s.known)
+    if best < enough:
+        s.phase = DONE
+        return s
     floor = (right.x - left.x) / FLOOR_STEPS
     next = wp.vec2d(f64(0.0), f64(1.0))
     if s.phase == DESCEND:
-        next = descent_point(s.a, s.b, tolerance, curvature, spin, turn)
+        next = descent_point(s.a, s.b, s.known, tolerance, curvature, spin, turn)
         if next[1] == f64(1.0):
             s.phase = MARCH_RIGHT
             if not straddles(s.a, s.b):
@@ -214,12 +233,12 @@ def aim(
                 s.b = s.best
             s.here = s.b
     if s.phase == MARCH_RIGHT:
-        next = march_point(s.here, right, s.best.tau, tolerance, curvature, spin, floor)
+        next = march_point(s.here, right, best, tolerance, curvature, spin, floor)
         if next[1] == f64(1.0):
             s.phase = MARCH_LEFT
             s.here = s.a
     if s.phase == MARCH_LEFT:
-        next = march_point(s.here, left, s.best.tau, tolerance, curvature, spin, floor)
+        next = march_point(s.here, left, best, tolerance, curvature, spin, floor)
         if next[1] == f64(1.0):
             s.phase = DONE
     s.x = next[0]
@@ -234,7 +253,7 @@ def take(s: Search, at: Contact, left: Contact, right: Contact, tolerance: f64) 
         s.to_x = at.x
         s.phase = DONE
         return s
-    earlier = at.tau < s.best.tau - f64(0.5) * tolerance
+    earlier = at.tau < wp.min(s.best.tau, s.known) - f64(0.5) * tolerance
     if at.tau < s.best.tau:
         s.best = at
     if s.phase == DESCEND:
@@ -265,18 +284,20 @@ def take(s: Search, at: Contact, left: Contact, right: Contact, tolerance: f64) 
 @wp.func
 def earliest_entry(
     cutter: Cutter, motion: Motion, row: int, origin: wp.vec3d, direction: wp.vec3d, side: int,
-    left: Contact, right: Contact, tolerance: f64,
+    left: Contact, right: Contact, known: f64, enough: f64, tolerance: f64,
 ) -> Extreme:  # fmt: skip
     """Earliest entry over [left.x, right.x], of which at least one end hits.
 
     Descends to the minimum inside a bracket, then marches from it to both ends by certified reaches;
     meeting something earlier, it descends again from there. A miss ends the march, for the run of hits
     is over; between two ends that hit it is a gap, and the search stops for the caller to split there.
+    An entry is not looked for if it is no earlier than ``known`` (what the list holds around one of the
+    ends), and none is once one is earlier than ``enough`` (where the ray's window begins).
     """
-    s = start_search(left, right)
+    s = start_search(left, right, known, enough, tolerance, motion.acceleration[row], motion.spin[row])
     evaluations = int(0)
     while evaluations < MAX_EVALUATIONS and s.phase != DONE:
-        s = aim(s, left, right, tolerance, motion.acceleration[row], motion.spin[row], evaluations)
+        s = aim(s, left, right, enough, tolerance, motion.acceleration[row], motion.spin[row], evaluations)
         if s.phase != DONE:
             at = side_of(chord_at(cutter, motion, row, origin, direction, s.x), side)
             evaluations += 1

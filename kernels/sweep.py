@@ -3,9 +3,9 @@
 import warp as wp
 
 from gearsim.kernels.contact import Chord, chord_at, gap_at, overlap, side_of
-from gearsim.kernels.interval import IntervalLists, insert
+from gearsim.kernels.interval import IntervalLists, hull, insert
 from gearsim.kernels.pose import Motion
-from gearsim.kernels.profile import Cutter
+from gearsim.kernels.profile import FAR, Cutter
 from gearsim.kernels.search import MAX_EVALUATIONS, earliest_entry
 
 f64 = wp.float64
@@ -31,17 +31,23 @@ class Sweep:
 @wp.func
 def sweep_run(
     cutter: Cutter, motion: Motion, row: int, origin: wp.vec3d, direction: wp.vec3d,
-    left: Chord, right: Chord, tolerance: f64,
+    left: Chord, right: Chord, window: wp.vec2d, known: wp.vec2d, tolerance: f64,
 ) -> Sweep:  # fmt: skip
-    """Interval removed between two poses of which at least one hits."""
+    """Interval removed between two poses of which at least one hits, united with ``known``, in ``window``."""
     sweep = Sweep()
     sweep.converged = 1
     sweep.from_x = left.entry.x
     sweep.to_x = right.entry.x
-    for side in range(2):
+    side = int(0)
+    while side < 2:
         a = side_of(left, side)
         b = side_of(right, side)
-        end = earliest_entry(cutter, motion, row, origin, direction, side, a, b, tolerance)
+        held = known[0]
+        enough = window[0]
+        if side == 1:
+            held = -known[1]
+            enough = -window[1]
+        end = earliest_entry(cutter, motion, row, origin, direction, side, a, b, held, enough, tolerance)
         if side == 0:
             sweep.lo = end.tau
         else:
@@ -50,7 +56,17 @@ def sweep_run(
         sweep.to_x = wp.min(sweep.to_x, end.to_x)
         sweep.gap = wp.max(sweep.gap, end.gap)
         sweep.converged = wp.min(sweep.converged, end.converged)
+        side += 1
     return sweep
+
+
+@wp.func
+def held_by(lists: IntervalLists, ray: int, left: Chord, right: Chord) -> wp.vec2d:
+    """What the list holds around one of two chords; (FAR, -FAR) where it holds nothing of it."""
+    known = hull(lists, ray, left.entry.tau, -left.exit.tau)
+    if known[0] == FAR:
+        known = hull(lists, ray, right.entry.tau, -right.exit.tau)
+    return known
 
 
 @wp.func
@@ -77,14 +93,14 @@ def separating_pose(
 
 @wp.func
 def hidden_hit(
-    cutter: Cutter, motion: Motion, row: int, origin: wp.vec3d, direction: wp.vec3d, bound: f64,
+    cutter: Cutter, motion: Motion, row: int, origin: wp.vec3d, direction: wp.vec3d,
     left: Chord, right: Chord,
 ) -> Chord:  # fmt: skip
     """A pose that hits between two that miss, by minimising the gap; ``left`` itself if there is none."""
     a = left.entry.x
     b = right.entry.x
-    gap_a = gap_at(cutter, motion, row, origin, direction, bound, a)
-    gap_b = gap_at(cutter, motion, row, origin, direction, bound, b)
+    gap_a = gap_at(cutter, motion, row, origin, direction, a)
+    gap_b = gap_at(cutter, motion, row, origin, direction, b)
     step = int(0)
     while step < 60:
         width = b - a
@@ -103,7 +119,7 @@ def hidden_hit(
         chord = chord_at(cutter, motion, row, origin, direction, x)
         if chord.entry.found == 1:
             return chord
-        gap = gap_at(cutter, motion, row, origin, direction, bound, x)
+        gap = gap_at(cutter, motion, row, origin, direction, x)
         if gap[1] < f64(0.0):
             a = x
             gap_a = gap
@@ -117,7 +133,7 @@ def hidden_hit(
 @wp.func
 def cut_by_segment(
     cutter: Cutter, motion: Motion, row: int, origin: wp.vec3d, direction: wp.vec3d,
-    tolerance: f64, bound: f64, ray: int, lists: IntervalLists,
+    window: wp.vec2d, tolerance: f64, ray: int, lists: IntervalLists,
 ) -> int:  # fmt: skip
     """Unite what one segment removes from one ray with the ray's list; status bits.
 
@@ -131,18 +147,20 @@ def cut_by_segment(
     while left.entry.x < right.entry.x:
         end = right
         if left.entry.found == 0 and right.entry.found == 0:
-            end = hidden_hit(cutter, motion, row, origin, direction, bound, left, right)
+            end = hidden_hit(cutter, motion, row, origin, direction, left, right)
             if end.entry.found == 0:
                 return status
         elif left.entry.found == 1 and right.entry.found == 1 and not overlap(left, right):
             end = separating_pose(cutter, motion, row, origin, direction, left, right)
         if runs == MAX_RUNS:
             return status | STATUS_NOT_CONVERGED
-        sweep = sweep_run(cutter, motion, row, origin, direction, left, end, tolerance)
+        known = held_by(lists, ray, left, end)
+        sweep = sweep_run(cutter, motion, row, origin, direction, left, end, window, known, tolerance)
         runs += 1
         if sweep.gap == 1:
             end = chord_at(cutter, motion, row, origin, direction, sweep.to_x)
-            sweep = sweep_run(cutter, motion, row, origin, direction, left, end, tolerance)
+            known = held_by(lists, ray, left, end)
+            sweep = sweep_run(cutter, motion, row, origin, direction, left, end, window, known, tolerance)
         if sweep.converged == 0:
             status = status | STATUS_NOT_CONVERGED
         if not insert(lists, ray, sweep.lo, sweep.hi, row, row, tolerance):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -26,6 +27,22 @@ class IntervalSet:
     def ray(self) -> NDArray:
         """The ray each interval belongs to."""
         return np.repeat(np.arange(len(self.first) - 1), np.diff(self.first))
+
+    def part(self, begin: int, end: int, row: int) -> IntervalSet:
+        """The intervals of the rays begin to end, segments counted from ``row``."""
+        own = slice(self.first[begin], self.first[end])
+        return IntervalSet(
+            self.first[begin : end + 1] - self.first[begin], self.lo[own], self.hi[own],
+            self.lo_segment[own] - row, self.hi_segment[own] - row,
+        )  # fmt: skip
+
+
+def concatenate(sets: Sequence[IntervalSet]) -> IntervalSet:
+    """The rays of several sets, one after the other."""
+    offsets = np.cumsum([0] + [len(s.lo) for s in sets])
+    first = [s.first[:-1] + offset for s, offset in zip(sets, offsets, strict=False)]
+    columns = (np.concatenate([getattr(s, k) for s in sets]) for k in ("lo", "hi", "lo_segment", "hi_segment"))
+    return IntervalSet(np.concatenate([*first, offsets[-1:]]), *columns)
 
 
 def from_lists(count: NDArray, lo: NDArray, hi: NDArray, lo_segment: NDArray, hi_segment: NDArray) -> IntervalSet:

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import os
 import sys
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor, as_completed
 from contextlib import contextmanager, nullcontext
 from dataclasses import dataclass
 from time import perf_counter
+from typing import NamedTuple
 
 import numpy as np
 import warp as wp
@@ -16,13 +17,21 @@ from numpy.typing import NDArray
 
 from gearsim.cutters.profile import Profile
 from gearsim.errors import InputError, NumericalError, Status, explain
-from gearsim.geometry.rays import RayBundle
+from gearsim.geometry.rays import RayBundle, join_rays
 from gearsim.kernels import removal as kernels
 from gearsim.kernels import ring_removal as ring_kernels
 from gearsim.kernels.interval import IntervalLists
-from gearsim.motion.segments import SegmentTable
-from gearsim.simulation.intervals import IntervalSet, from_lists
-from gearsim.simulation.tools import cutter_data, motion_data, ring_data, segment_bounds
+from gearsim.motion.segments import SegmentTable, join
+from gearsim.simulation.intervals import IntervalSet, concatenate, from_lists
+from gearsim.simulation.tools import (
+    cutter_data,
+    group_data,
+    grouped_bvh,
+    motion_data,
+    ring_data,
+    row_groups,
+    segment_bounds,
+)
 
 TILE_BYTES = 1 << 29
 SLOT_BYTES = 24
@@ -56,6 +65,14 @@ class Removal:
                 f"{bad} of {len(self.ray_status)} rays cannot be trusted: " + "; ".join(explain(self.status))
             )
         return self
+
+
+class Job(NamedTuple):
+    """Rays to be cut by one cutter along one motion."""
+
+    rays: RayBundle
+    table: SegmentTable
+    cutter: Profile
 
 
 def prepare(device: str, ring: bool = False) -> float:
@@ -112,7 +129,6 @@ def tile_rays(slots: int) -> int:
     return max(SLICE_RAYS, TILE_BYTES // (SLOT_BYTES * slots))
 
 
-@_memory_errors()
 def cut(
     rays: RayBundle,
     table: SegmentTable,
@@ -126,52 +142,102 @@ def cut(
 ) -> Removal:
     """Sweep the cutter along the motion through all rays.
 
-    ``tolerance`` [mm] bounds the error of each interval's end along its ray (what escapes it is cut no
-    deeper than a tenth of it, see kernels/sweep.py); ``slots`` is the longest interval list of a ray;
-    ``threads`` the CPU threads (default: all cores); ``progress`` is told of rays done. Check
-    ``Removal.status`` or call ``require_trust``. Raises MemoryError where the device has no room.
+    ``tolerance`` [mm] bounds the error of each interval's end in the ray's window (what escapes it is cut
+    no deeper than a tenth of it, see kernels/sweep.py); of an end beyond the window only that is known.
+    ``slots`` is the longest interval list of a ray; ``threads`` the CPU threads (default: all cores);
+    ``progress`` is told of rays done. Check ``Removal.status`` or call ``require_trust``. Raises
+    MemoryError where the device has no room.
     """
-    prepare(device, cutter.is_ring)
-    job = _Job(table, cutter, device, tolerance, slots)
-    parts = []
-    step = tile_rays(slots)
-    for begin in range(0, max(len(rays), 1), step):
-        tile = rays.part(slice(begin, begin + step))
-        parts.append(job.run(tile, threads or os.cpu_count() or 1, progress or (lambda n: None)))
-    return parts[0] if len(parts) == 1 else _concatenate(parts)
+    job = Job(rays, table, cutter)
+    return cut_jobs([job], device=device, tolerance=tolerance, slots=slots, threads=threads, progress=progress)[0]
 
 
-def _concatenate(parts: list[Removal]) -> Removal:
-    sets = [p.removed for p in parts]
-    offsets = np.cumsum([0] + [len(s.lo) for s in sets[:-1]])
-    first = np.concatenate([s.first[:-1] + o for s, o in zip(sets, offsets, strict=True)])
-    removed = IntervalSet(
-        np.append(first, sum(len(s.lo) for s in sets)),
-        *(np.concatenate([getattr(s, k) for s in sets]) for k in ("lo", "hi", "lo_segment", "hi_segment")),
+@_memory_errors()
+def cut_jobs(
+    jobs: Sequence[Job],
+    *,
+    device: str = "cpu",
+    tolerance: float = 1e-9,
+    slots: int = 16,
+    threads: int | None = None,
+    progress: Callable[[int], None] | None = None,
+) -> list[Removal]:
+    """Cut many bundles, each by its own motion and cutter, in joint launches; options as of ``cut``.
+
+    The results are those of one ``cut`` for each, but for ``kernel_s``, which is that of the launches a job
+    shared. Jobs with rings are launched one by one.
+    """
+    convex = [i for i, job in enumerate(jobs) if not job.cutter.is_ring]
+    rings = [[i] for i, job in enumerate(jobs) if job.cutter.is_ring]
+    done: dict[int, Removal] = {}
+    for batch in [convex, *rings] if convex else rings:
+        prepare(device, jobs[batch[0]].cutter.is_ring)
+        launches = _Launches([jobs[i] for i in batch], device, tolerance, slots)
+        results = launches.run(threads or os.cpu_count() or 1, progress or (lambda n: None))
+        done.update(zip(batch, results, strict=True))
+    return [done[i] for i in range(len(jobs))]
+
+
+class _Tile(NamedTuple):
+    """What launches over some rays gave: intervals, and per ray the two counts and the status bits."""
+
+    removed: IntervalSet
+    candidates: NDArray[np.integer]
+    pairs: NDArray[np.integer]
+    status: NDArray[np.integer]
+    kernel_s: float
+
+
+def _whole(tiles: list[_Tile]) -> _Tile:
+    if len(tiles) == 1:
+        return tiles[0]
+    return _Tile(
+        concatenate([t.removed for t in tiles]),
+        np.concatenate([t.candidates for t in tiles]),
+        np.concatenate([t.pairs for t in tiles]),
+        np.concatenate([t.status for t in tiles]),
+        sum(t.kernel_s for t in tiles),
     )
-    return Removal(
-        removed,
-        sum(p.candidates for p in parts),
-        sum(p.pairs for p in parts),
-        np.concatenate([p.ray_status for p in parts]),
-        sum(p.kernel_s for p in parts),
-    )
 
 
-class _Job:
-    """Device copies of one cutter and motion, and the launches over tiles of rays."""
+class _Launches:
+    """Device copies of the motions and cutters of some jobs, and the launches over tiles of all their rays.
 
-    def __init__(self, table: SegmentTable, cutter: Profile, device: str, tolerance: float, slots: int):
-        self.device, self.tolerance, self.slots = device, tolerance, slots
-        self.motion = motion_data(table, device)
-        if cutter.is_ring:
-            self.kernel, self.tool = ring_kernels.cut_rays_by_ring, [ring_data(cutter, device)]
+    All jobs have convex cutters, or there is one, of a ring.
+    """
+
+    def __init__(self, jobs: list[Job], device: str, tolerance: float, slots: int):
+        self.jobs, self.device, self.slots = jobs, device, slots
+        cutters = [job.cutter for job in jobs]
+        motion = motion_data(join([job.table for job in jobs]), device)
+        self.ring = cutters[0].is_ring
+        if self.ring:
+            bounds = segment_bounds(jobs[0].table, cutters[0])
+            self.bvh = wp.Bvh(*(wp.array(b, dtype=wp.vec3, device=device) for b in bounds))
+            self.kernel, tool = ring_kernels.cut_rays_by_ring, [ring_data(cutters[0], device), motion]
         else:
-            self.kernel, self.tool = kernels.cut_rays, [cutter_data(cutter, device), 2.0 * cutter.reach]
-        lower, upper = segment_bounds(table, cutter)
-        self.bvh = wp.Bvh(wp.array(lower, dtype=wp.vec3, device=device), wp.array(upper, dtype=wp.vec3, device=device))
+            groups = [row_groups(job.table, job.cutter) for job in jobs]
+            self.bvh = grouped_bvh(groups, device)
+            self.kernel, tool = kernels.cut_rays, [cutter_data(cutters, device), motion, group_data(groups, device)]
+        self.inputs = [*tool, self.bvh.id, tolerance]
 
-    def run(self, rays: RayBundle, threads: int, progress: Callable[[int], None]) -> Removal:
+    def run(self, threads: int, progress: Callable[[int], None]) -> list[Removal]:
+        """Cut all rays, tile by tile, and give every job what is its own."""
+        rays = join_rays([job.rays for job in self.jobs])
+        number = np.repeat(np.arange(len(self.jobs)), [len(job.rays) for job in self.jobs])
+        step = tile_rays(self.slots)
+        tiles = [slice(begin, begin + step) for begin in range(0, max(len(rays), 1), step)]
+        whole = _whole([self._cut(rays.part(tile), number[tile], threads, progress) for tile in tiles])
+        results, ray, row = [], 0, 0
+        for job in self.jobs:
+            end = ray + len(job.rays)
+            candidates, pairs = (int(c[ray:end].sum(dtype=np.int64)) for c in (whole.candidates, whole.pairs))
+            removed = whole.removed.part(ray, end, row)
+            results.append(Removal(removed, candidates, pairs, whole.status[ray:end], whole.kernel_s))
+            ray, row = end, row + len(job.table)
+        return results
+
+    def _cut(self, rays: RayBundle, number: NDArray, threads: int, progress: Callable[[int], None]) -> _Tile:
         n = len(rays)
         inputs = [
             wp.array(rays.origin, dtype=wp.vec3d, device=self.device),
@@ -179,6 +245,8 @@ class _Job:
             wp.array(rays.start, dtype=wp.float64, device=self.device),
             wp.array(rays.end, dtype=wp.float64, device=self.device),
         ]
+        if not self.ring:
+            inputs.append(wp.array(number, dtype=wp.int32, device=self.device))
         lists = self._lists(n)
         counters = [wp.zeros(n, dtype=wp.int32, device=self.device) for _ in range(3)]
 
@@ -186,7 +254,7 @@ class _Job:
             wp.launch(
                 self.kernel,
                 dim=size,
-                inputs=[*self.tool, self.motion, self.bvh.id, self.tolerance, begin, *inputs],
+                inputs=[*self.inputs, begin, *inputs],
                 outputs=[lists, *counters],
                 device=self.device,
             )
@@ -201,10 +269,8 @@ class _Job:
             progress(n)
         kernel_s = perf_counter() - started
         columns = (lists.count, lists.lo, lists.hi, lists.lo_segment, lists.hi_segment)
-        removed = from_lists(*(a.numpy() for a in columns))
         candidates, pairs, status = (a.numpy() for a in counters)
-        total = np.int64
-        return Removal(removed, int(candidates.sum(dtype=total)), int(pairs.sum(dtype=total)), status, kernel_s)
+        return _Tile(from_lists(*(a.numpy() for a in columns)), candidates, pairs, status, kernel_s)
 
     @staticmethod
     def _launch_slices(

@@ -2,41 +2,53 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from dataclasses import dataclass
+
 import numpy as np
 import warp as wp
 from numpy.typing import NDArray
 
 from gearsim.cutters.checks import CORNER, joints, turn
+from gearsim.cutters.element import Element
 from gearsim.cutters.profile import Profile
+from gearsim.kernels.cull import Groups
 from gearsim.kernels.pose import Motion
 from gearsim.kernels.profile import ARC, LINE, Cutter
 from gearsim.kernels.ring import Ring
 from gearsim.motion.segments import SegmentTable
 
 _SHRINK = 1e-11
+_GROUP_TRAVEL = 0.6
 
 
-def cutter_data(cutter: Profile, device: str) -> Cutter:
-    """The convex parts of a cutter that is no ring: the elements of each that rise along the axis, as slabs."""
-    rows, kinds, first = [], [], [0]
-    for part in cutter.parts:
-        for e in part.elements:
-            if e.is_flat:
-                continue
-            (r0, z0), (r1, z1) = e.start, e.end
-            kinds.append(int(ARC if e.is_arc else LINE))
-            if e.is_arc:
-                rows.append([z0, z1, e.centre[0], e.centre[1], e.radius])
-            else:
-                rows.append([z0, z1, r0, (r1 - r0) / (z1 - z0), 0.0])
-        first.append(len(rows))
+def cutter_data(cutters: Sequence[Profile], device: str) -> Cutter:
+    """The convex parts of cutters that are no rings, one cutter a job: the elements that rise, as slabs."""
+    rows, kinds, first, size, job_first = [], [], [0], [], [0]
+    for cutter in cutters:
+        for part in cutter.parts:
+            risen = [e for e in part.elements if not e.is_flat]
+            rows += [_slab(e) for e in risen]
+            kinds += [int(ARC if e.is_arc else LINE) for e in risen]
+            first.append(len(rows))
+            size.append(2.0 * cutter.reach)
+        job_first.append(len(size))
     data = Cutter()
     data.kind = wp.array(kinds, dtype=wp.int32, device=device)
     data.slabs = wp.array(np.array(rows), dtype=wp.float64, device=device)
     data.part_first = wp.array(first, dtype=wp.int32, device=device)
-    data.parts = len(cutter.parts)
-    data.first, data.end, data.middle = 0, first[1], 0.5 * (rows[0][0] + rows[first[1] - 1][1])
+    data.part_size = wp.array(size, dtype=wp.float64, device=device)
+    data.job_first = wp.array(job_first, dtype=wp.int32, device=device)
     return data
+
+
+def _slab(e: Element) -> list[float]:
+    """A row of Cutter.slabs."""
+    (r0, z0), (r1, z1) = e.start, e.end
+    if e.is_arc:
+        return [z0, z1, e.centre[0], e.centre[1], e.radius]
+    slope = (r1 - r0) / (z1 - z0)
+    return [z0, z1, r0, slope, float(np.hypot(1.0, slope))]
 
 
 def ring_data(cutter: Profile, device: str) -> Ring:
@@ -71,6 +83,66 @@ def motion_data(table: SegmentTable, device: str) -> Motion:
     for name in ("speed", "acceleration", "spin"):
         setattr(data, name, wp.array(getattr(table, name), dtype=wp.float64, device=device))
     return data
+
+
+@dataclass(frozen=True)
+class RowGroups:
+    """Consecutive rows of a table that lie close together, for the kernels to turn away as one.
+
+    ``first`` [row] has one more entry than there are groups; within a group no point of the tool is farther
+    than ``spread`` [mm] from where it is at the pose (``tip``, ``axis``). ``lower`` and ``upper`` [mm] are
+    float32 boxes around all of it.
+    """
+
+    first: NDArray[np.integer]
+    tip: NDArray[np.floating]
+    axis: NDArray[np.floating]
+    spread: NDArray[np.floating]
+    lower: NDArray[np.floating]
+    upper: NDArray[np.floating]
+
+
+def row_groups(table: SegmentTable, cutter: Profile) -> RowGroups:
+    """Groups of rows over which the tool travels about 0.6 of its radius, or one row where that travels more."""
+    tip, axis = table.tip[:, 0], table.axis[:, 0]
+    _, radius, bottom, top = cutter.box
+    centre, size = tip + 0.5 * (bottom + top) * axis, float(np.hypot(radius, 0.5 * (top - bottom)))
+
+    def apart(i: NDArray, j: NDArray) -> NDArray:
+        return np.linalg.norm(centre[i] - centre[j], axis=1) + size * np.linalg.norm(axis[i] - axis[j], axis=1)
+
+    rows = np.arange(len(table))
+    travel = np.maximum(apart(rows, np.maximum(rows - 1, 0)), table.speed)
+    _, first = np.unique(np.floor(np.cumsum(travel) / (_GROUP_TRAVEL * radius)), return_index=True)
+    end = np.append(first[1:], len(table))
+    middle = (first + end) // 2
+    spread = apart(rows, np.repeat(middle, end - first)) + table.speed
+    lower, upper = segment_bounds(table, cutter)
+    return RowGroups(
+        np.append(first, len(table)), tip[middle], axis[middle], np.maximum.reduceat(spread, first),
+        np.minimum.reduceat(lower, first), np.maximum.reduceat(upper, first),
+    )  # fmt: skip
+
+
+def group_data(groups: Sequence[RowGroups], device: str) -> Groups:
+    """The groups of all jobs, whose tables are joined, on a device."""
+    rows = np.cumsum([0] + [g.first[-1] for g in groups])
+    first = [g.first[:-1] + row for g, row in zip(groups, rows, strict=False)]
+    data = Groups()
+    data.first = wp.array(np.concatenate([*first, rows[-1:]]), dtype=wp.int32, device=device)
+    for name, kind in (("tip", wp.vec3d), ("axis", wp.vec3d), ("spread", wp.float64)):
+        setattr(data, name, wp.array(np.concatenate([getattr(g, name) for g in groups]), dtype=kind, device=device))
+    return data
+
+
+def grouped_bvh(groups: Sequence[RowGroups], device: str) -> wp.Bvh:
+    """Boxes of all jobs' groups of rows, each job under a root of its own."""
+    bounds = [np.concatenate([getattr(g, name) for g in groups]) for name in ("lower", "upper")]
+    job = np.repeat(np.arange(len(groups)), [len(g.spread) for g in groups])
+    return wp.Bvh(
+        *(wp.array(b, dtype=wp.vec3, device=device) for b in bounds),
+        groups=wp.array(job, dtype=wp.int32, device=device),
+    )
 
 
 def segment_bounds(table: SegmentTable, cutter: Profile) -> tuple[NDArray, NDArray]:

@@ -8,10 +8,11 @@ import warp as wp
 
 from gearsim.cutters.catalogue import apt, conical
 from gearsim.envelope.surface import envelope_grid, envelope_points
+from gearsim.kernels.cull import near_stretch
 from gearsim.kernels.distance import outside_distance
 from gearsim.kernels.interval import IntervalLists, insert
 from gearsim.kernels.pose import Motion, pose_at
-from gearsim.kernels.profile import Cutter, Hit, ToolRay, cutter_interval
+from gearsim.kernels.profile import Cutter, convex_part, cutter_interval, tool_ray
 from gearsim.motion.segments import DEGREE, compile_motion
 from gearsim.simulation.tools import cutter_data, motion_data
 from gearsim.toolpaths.flank import FlankPath
@@ -34,27 +35,28 @@ def interval_kernel(
     cutter: Cutter,
     origin: wp.array(dtype=wp.vec3d),
     direction: wp.array(dtype=wp.vec3d),
-    inflate: wp.float64,
+    spread: wp.float64,
+    window: wp.vec2d,
     found_out: wp.array(dtype=wp.int32),
     ends_out: wp.array(dtype=wp.vec2d),
+    near_out: wp.array(dtype=wp.vec2d),
 ):
     i = wp.tid()
-    ray = ToolRay()
-    ray.z0 = origin[i][2]
-    ray.dz = direction[i][2]
     zero = wp.float64(0.0)
-    ray.w0 = wp.vec3d(origin[i][0], origin[i][1], zero)
-    ray.w1 = wp.vec3d(direction[i][0], direction[i][1], zero)
-    hit = Hit()
-    hit = cutter_interval(cutter, ray, inflate)
+    tip = wp.vec3d(zero, zero, zero)
+    axis = wp.vec3d(zero, zero, wp.float64(1.0))
+    part = convex_part(cutter, 0)
+    ray = tool_ray(tip, axis, part.middle, origin[i], direction[i])
+    hit = cutter_interval(part, ray)
     found_out[i] = hit.found
-    ends_out[i] = wp.vec2d(hit.lo, hit.hi)
+    ends_out[i] = wp.vec2d(hit.lo + ray.shift, hit.hi + ray.shift)
+    near_out[i] = near_stretch(part, tip, axis, spread, origin[i], direction[i], window)
 
 
 @wp.kernel(enable_backward=False)
 def distance_kernel(cutter: Cutter, rz: wp.array(dtype=wp.vec2d), out: wp.array(dtype=wp.vec3d)):
     i = wp.tid()
-    out[i] = outside_distance(cutter, rz[i][0], rz[i][1])
+    out[i] = outside_distance(convex_part(cutter, 0), rz[i][0], rz[i][1])
 
 
 @wp.kernel(enable_backward=False)
@@ -109,19 +111,32 @@ def test_pose_intersection(cutter, device, rng):
     direction[: n // 4, 2] = 0.0
     direction[n // 4 : n // 3] = [0.0, 0.0, 1.0]
     direction /= np.linalg.norm(direction, axis=1, keepdims=True)
-    found = wp.zeros(n, dtype=wp.int32, device=device)
-    ends = wp.zeros(n, dtype=wp.vec2d, device=device)
-    data = cutter_data(cutter, device)
-    rays = [wp.array(a, dtype=wp.vec3d, device=device) for a in (origin, direction)]
-    wp.launch(interval_kernel, dim=n, inputs=[data, *rays, 0.0], outputs=[found, ends], device=device)
     deepest, lo, hi = chord_twin(cutter, origin, direction)
-    clear = np.abs(deepest) > 1e-6
-    assert np.array_equal((found.numpy() == 1)[clear], (deepest < 0.0)[clear])
-    hit = clear & (deepest < 0.0)
-    assert hit.sum() > 100
-    assert np.allclose(ends.numpy()[hit], np.column_stack([lo, hi])[hit], atol=2e-9)
-    wp.launch(interval_kernel, dim=n, inputs=[data, *rays, 0.7], outputs=[found, ends], device=device)
-    assert np.all((found.numpy() == 1)[deepest < 0.7])
+    rays = [wp.array(a, dtype=wp.vec3d, device=device) for a in (origin, direction)]
+    for spread, window in [(0.0, [-80.0, 80.0]), (0.7, [-80.0, 80.0]), (0.7, [-9.0, 2.0])]:
+        found = wp.zeros(n, dtype=wp.int32, device=device)
+        ends, near = (wp.zeros(n, dtype=wp.vec2d, device=device) for _ in range(2))
+        inputs = [cutter_data([cutter], device), *rays, spread, wp.vec2d(window)]
+        wp.launch(interval_kernel, dim=n, inputs=inputs, outputs=[found, ends, near], device=device)
+        clear = np.abs(deepest) > 1e-6
+        assert np.array_equal((found.numpy() == 1)[clear], (deepest < 0.0)[clear])
+        hit = clear & (deepest < 0.0)
+        assert hit.sum() > 100
+        assert np.allclose(ends.numpy()[hit], np.column_stack([lo, hi])[hit], atol=2e-9)
+        check_near_stretch(cutter, origin, direction, spread, window, near.numpy())
+
+
+def check_near_stretch(cutter, origin, direction, spread, window, near):
+    """It holds every point of the window within the spread, and keeps to the window; far misses are empty."""
+    tau = np.linspace(*window, 161)
+    distance = distance_along(cutter, origin[:, None], direction[:, None], tau[None, :])
+    inside = (tau >= near[:, :1] - 1e-12) & (tau <= near[:, 1:] + 1e-12)
+    assert np.all(inside[distance <= spread])
+    full = near[:, 0] <= near[:, 1]
+    assert near[full].min() > window[0] - 1e-12
+    assert near[full].max() < window[1] + 1e-12
+    assert not np.any(full[distance.min(axis=1) > spread + 4.0])
+    assert 0.03 < full.mean() < 0.95
 
 
 @pytest.mark.parametrize("cutter", CUTTERS, ids=NAMES)
@@ -129,7 +144,7 @@ def test_outside_distance(cutter, device, rng):
     r, z = rng.uniform(0.0, 14.0, 5000), rng.uniform(-4.0, 32.0, 5000)
     out = wp.zeros(5000, dtype=wp.vec3d, device=device)
     rz = wp.array(np.column_stack([r, z]), dtype=wp.vec2d, device=device)
-    wp.launch(distance_kernel, dim=5000, inputs=[cutter_data(cutter, device), rz], outputs=[out], device=device)
+    wp.launch(distance_kernel, dim=5000, inputs=[cutter_data([cutter], device), rz], outputs=[out], device=device)
     f, nr, nz = cutter.distance_gradient(r, z)
     outside = f > 1e-9
     assert np.allclose(out.numpy()[outside], np.column_stack([f, nr, nz])[outside], atol=1e-11)

@@ -13,7 +13,8 @@ from gearsim.geometry.rays import RayBundle
 from gearsim.motion.segments import SegmentTable, compile_motion
 from gearsim.motion.sources import CLMotion
 from gearsim.simulation import removal
-from gearsim.simulation.removal import cut
+from gearsim.simulation.removal import Job, cut, cut_jobs
+from tests.cutters.shapes import every_shape, ring
 
 UP = np.array([0.0, 0.0, 1.0])
 FLAT = apt(6.0, 0.0, 0.0, 0.0, 0.0, 0.0, 20.0)
@@ -155,6 +156,43 @@ def test_cpu_threads_and_tiles_are_bit_identical(rng, monkeypatch):
     for f in fields(one.removed):
         assert np.array_equal(getattr(one.removed, f.name), getattr(many.removed, f.name))
     assert (one.pairs, one.candidates) == (many.pairs, many.candidates)
+
+
+def test_jobs_in_one_launch_are_bit_identical_to_separate_cuts(rng, monkeypatch):
+    """Convex, undercut and ring-shaped tools, motions of one row and of many, and a job without rays."""
+    cutters = [*CUTTERS, ring(), every_shape()["T-slot"]]
+    jobs = []
+    for i in range(24):
+        cutter, source = cutters[i % len(cutters)], random_path(rng)
+        rays = grazing_rays(rng, source, cutter, 40).part(slice(0, 0 if i == 9 else 1 + i))
+        if i == 7:
+            source = straight([0, 0, 0], [0.1, 0, 0])
+        jobs.append(Job(rays, compile_motion(source, cutter.reach), cutter))
+    monkeypatch.setattr(removal, "tile_rays", lambda slots: 50)
+    for job, joint in zip(jobs, cut_jobs(jobs), strict=True):
+        alone = cut(*job)
+        for f in fields(alone.removed):
+            assert np.array_equal(getattr(alone.removed, f.name), getattr(joint.removed, f.name))
+        assert np.array_equal(alone.ray_status, joint.ray_status)
+        assert (alone.pairs, alone.candidates) == (joint.pairs, joint.candidates)
+        assert np.all(joint.removed.lo_segment < len(job.table))
+    assert cut_jobs([]) == []
+
+
+def test_ends_beyond_a_window_are_beyond_it_and_those_inside_exact(device, rng):
+    """Windows that end inside what is removed change no end in them."""
+    cutter, source = CUTTERS[0], random_path(rng)
+    rays = grazing_rays(rng, source, cutter, 200)
+    whole = removed(rays, source, cutter, device).removed
+    start = np.full(200, -60.0)
+    start[whole.ray] = 0.5 * (whole.lo + whole.hi)
+    narrow = removed(RayBundle(rays.origin, rays.direction, start, rays.end), source, cutter, device).removed
+    kept = whole.hi > start[whole.ray]
+    assert np.array_equal(whole.ray[kept], narrow.ray[narrow.hi > start[narrow.ray]])
+    assert np.allclose(whole.hi[kept], narrow.hi[narrow.hi > start[narrow.ray]], atol=2e-9)
+    cut_off = kept & (whole.lo < start[whole.ray])
+    assert np.count_nonzero(cut_off) > 50
+    assert np.all(np.isin(whole.ray[cut_off], narrow.ray[narrow.lo < start[narrow.ray]]))
 
 
 def test_progress_is_told_of_every_ray(rng):
