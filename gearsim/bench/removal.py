@@ -78,7 +78,7 @@ def _notes(device: str) -> list[str]:
         "spiral-bevel-face-milled; the block is 100 x 60 x 20 mm scaled down. Up to 2,048 rays are one slice "
         "of work: more threads cannot help.",
         "poses/pair: evaluations of a pair, counted by the kernels; flop/pair: times the operations counted in the "
-        "source (gearsim/bench/roofline.py), the turning away of a pair's rivals included; bytes/pair: loaded by the "
+        "source (gearsim/bench/roofline.py); bytes/pair: loaded by the "
         "kernel, mostly from caches. of flops, of copy: share of this run's ceilings, "
         f"{1e-9 * top.flops:.3g} Gflop/s of float64 multiply-adds side by side and {1e-9 * top.bytes:.3g} GB/s of "
         "copying, each of one thread (on CUDA: of the device).",

@@ -2,14 +2,15 @@
 
 Operations are counted by hand in the kernels' source: +, -, *, / and a square root count one each; comparisons,
 min, max, abs and signs none; a dot product of space 5, a length 6. What is left out makes the counts low, never
-high: Newton's steps into an arc, hits hidden between misses, and the upkeep of the interval lists.
+high: the turning away of candidates that do not become pairs, alone or in groups, Newton's steps into an arc,
+hits hidden between misses, and the upkeep of the interval lists.
 
 | part | source | operations |
 | --- | --- | --- |
 | pose | kernels/pose.py: 5 Horner steps of tip, axis and both rates, 24 each | 120 |
-| tool ray | kernels/contact.py: shift of the origin 20, ``tool_ray`` 25 | 45 |
-| line slab | kernels/profile.py: planes 6, inflation 5, quadratic 33 | 44 |
-| arc slab | kernels/profile.py: planes 6, inflation 1, bounding ball 26 | 33 |
+| tool ray | kernels/profile.py ``tool_ray`` | 53 |
+| line slab | kernels/cull.py: planes 6, inflation 2; kernels/profile.py ``line_interval`` 17 | 25 |
+| arc slab | kernels/cull.py: planes 6, inflation 2; kernels/profile.py ``ball_interval`` 12 | 20 |
 | contact | kernels/contact.py: point 14, face normal 5, rates 36; an evaluation has two | 55 |
 | search | kernels/search.py: bounds of a step, and a third each of the ways to the next guess | 40 |
 | ring | kernels/ring.py: pose 120, point 30, rates 59 | 209 |
@@ -26,7 +27,7 @@ from gearsim.cutters.checks import CORNER, joints, turn
 from gearsim.cutters.profile import Profile
 
 OPERATIONS = {
-    "pose": 120, "tool ray": 45, "line slab": 44, "arc slab": 33, "contact": 55, "search": 40,
+    "pose": 120, "tool ray": 53, "line slab": 25, "arc slab": 20, "contact": 55, "search": 40,
     "ring": 209, "ring line": 4, "ring arc": 13,
 }  # fmt: skip
 ROW_BYTES = 2 * 6 * 24 + 3 * 8
@@ -36,11 +37,10 @@ COLUMNS = ("poses/pair", "flop/pair", "bytes/pair", "of flops", "of copy")
 
 
 def cull_operations(cutter: Profile) -> float:
-    """Operations that turn away or let pass one candidate, mean over the cutter's parts times their number."""
-    per_part = OPERATIONS["pose"] + OPERATIONS["tool ray"]
+    """Operations that let one pair pass, mean over the cutter's parts times their number."""
     if cutter.is_ring:
-        return per_part + OPERATIONS["line slab"]
-    return per_part * len(cutter.parts) + _slabs(cutter)
+        return OPERATIONS["tool ray"] + OPERATIONS["line slab"]
+    return OPERATIONS["tool ray"] * len(cutter.parts) + _slabs(cutter)
 
 
 def evaluation_operations(cutter: Profile) -> float:
@@ -63,18 +63,17 @@ def _slabs(cutter: Profile) -> float:
 def roofline(device: str, case: Case, row: dict[str, Any], poses: int) -> dict[str, Any]:
     """The roofline columns of a timed row, from the ``poses`` that the whole cut evaluated.
 
-    Every candidate costs one pose and no less than ``cull_operations``; the other poses are evaluations of pairs.
-    Bytes are what the kernel loads, cached or not: a row of the table and the slabs with every pose, the ray, and
-    two ends a pair. On several threads the ceilings are as many times those of one.
+    Every pose is an evaluation of a pair, and every pair was let pass once. Bytes are what the kernel loads,
+    cached or not: a row of the table and the slabs with every pose, the ray, and two ends a pair. On several
+    threads the ceilings are as many times those of one.
     """
-    candidates, pairs = row["candidates"], max(row["pairs"], 1)
-    evaluations = max(poses - candidates * len(case.cutter.parts), 0)
-    flop = candidates * cull_operations(case.cutter) + evaluations * evaluation_operations(case.cutter)
+    pairs = max(row["pairs"], 1)
+    flop = pairs * cull_operations(case.cutter) + poses * evaluation_operations(case.cutter)
     slabs = sum(not e.is_flat for part in case.cutter.parts for e in part.elements)
     loaded = poses * (ROW_BYTES + slabs * SLAB_BYTES) + row["rays"] * RAY_BYTES + pairs * 24
     top = ceiling(device)
     return {
-        "poses/pair": evaluations / pairs,
+        "poses/pair": poses / pairs,
         "flop/pair": flop / pairs,
         "bytes/pair": loaded / pairs,
         "Gflop/s": 1e-9 * flop / row["seconds"],
