@@ -5,18 +5,12 @@ import warp as wp
 from gearsim.kernels.cull import Groups, near_stretch
 from gearsim.kernels.interval import IntervalLists, covers
 from gearsim.kernels.pose import Motion
-from gearsim.kernels.profile import Cutter, Cutters, convex_part
+from gearsim.kernels.profile import Cutter, convex_part
 from gearsim.kernels.sweep import cut_by_segment
 
 f64 = wp.float64
 
-wp.set_module_options(
-    {
-        "enable_backward": False,
-        # cut_by_segment inlined into the loop over candidates, which clang would not do unasked: 15 % faster
-        "cpu_compiler_flags": "-march=native -mllvm=-inline-threshold=100000",
-    }
-)
+wp.set_module_options({"enable_backward": False})
 
 CAPSULE_PAD = wp.constant(wp.float32(1.0e-3))
 
@@ -34,7 +28,7 @@ def may_cut(
 @wp.kernel
 def cut_rays(
     # cutter
-    cutters: Cutters,
+    cutter: Cutter,
     # motion
     motion: Motion,
     groups: Groups,
@@ -64,8 +58,8 @@ def cut_rays(
     candidates = int(0)
     pairs = int(0)
     status = int(0)
-    for p in range(cutters.job_first[job[ray]], cutters.job_first[job[ray] + 1]):
-        part = convex_part(cutters, p)
+    for p in range(cutter.job_first[job[ray]], cutter.job_first[job[ray] + 1]):
+        part = convex_part(cutter, p)
         candidates = int(0)
         query = wp.bvh_query_capsule(
             bvh, wp.vec3(o + window[0] * d), wp.vec3((window[1] - window[0]) * d), CAPSULE_PAD, root
