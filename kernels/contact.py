@@ -4,7 +4,7 @@ import warp as wp
 
 from gearsim.kernels.distance import closest_point, outside_distance
 from gearsim.kernels.pose import Motion, Pose, pose_at
-from gearsim.kernels.profile import FAR, TINY, Cutter, ToolRay, cutter_interval, face_normal, tool_ray
+from gearsim.kernels.profile import FAR, TINY, Cutter, Hit, ToolRay, cutter_interval, face_normal, greater, tool_ray
 
 f64 = wp.float64
 
@@ -39,20 +39,43 @@ def with_rates(pose: Pose, ray: ToolRay, x: f64, tau: f64, z: f64, w: wp.vec3d, 
     c.x = x
     c.tau = tau
     z_rate = wp.dot(w, pose.axis_rate) - wp.dot(pose.tip_rate, pose.axis)
-    r_rate = -(wp.dot(w, pose.tip_rate) + z * wp.dot(w, pose.axis_rate)) / r
-    c.push = n[0] * r_rate + n[1] * z_rate
-    c.steep = -(n[0] * wp.dot(w, ray.w1) / r + n[1] * ray.dz)
+    across = n[0] / r
+    c.push = n[1] * z_rate - across * (wp.dot(w, pose.tip_rate) + z * wp.dot(w, pose.axis_rate))
+    c.steep = -across * wp.dot(w, ray.w1) - n[1] * ray.dz
     return c
 
 
 @wp.func
-def contact_rates(cutter: Cutter, pose: Pose, ray: ToolRay, x: f64, tau: f64, face: int) -> Contact:
-    """The contact at tau on a face of the cutter, with F_x = n . d(point seen from the tool)/dx."""
-    z = ray.z0 + tau * ray.dz
-    w = ray.w0 + tau * ray.w1
-    r = wp.max(wp.length(w), TINY)
-    n = face_normal(cutter, face, r, z)
-    return with_rates(pose, ray, x, tau, z, w, r, n)
+def end_of(cutter: Cutter, pose: Pose, ray: ToolRay, hit: Hit, x: f64, side: int) -> Contact:
+    """The entry (side 0) or exit (side 1) of the ray's chord at a pose, with F_x = n . d(point in the tool)/dx."""
+    c = Contact()
+    c.x = x
+    c.tau = FAR
+    if hit.found == 1:
+        tau = hit.lo
+        face = hit.lo_face
+        if side == 1:
+            tau = hit.hi
+            face = hit.hi_face
+        z = ray.z0 + tau * ray.dz
+        w = ray.w0 + tau * ray.w1
+        r = greater(wp.length(w), TINY)
+        c = with_rates(pose, ray, x, tau + ray.shift, z, w, r, face_normal(cutter, face, r, z))
+        if side == 1:
+            c.tau = -c.tau
+            c.steep = -c.steep
+        c.steep = greater(c.steep, f64(0.0))
+    return c
+
+
+@wp.func
+def end_at(
+    cutter: Cutter, motion: Motion, row: int, origin: wp.vec3d, direction: wp.vec3d, side: int, x: f64
+) -> Contact:  # fmt: skip
+    """One end of the ray's chord through the cutter at parameter x of a row."""
+    pose = pose_at(motion, row, x)
+    ray = tool_ray(pose.tip, pose.axis, cutter.middle, origin, direction)
+    return end_of(cutter, pose, ray, cutter_interval(cutter, ray), x, side)
 
 
 @wp.func
@@ -62,19 +85,8 @@ def chord_at(cutter: Cutter, motion: Motion, row: int, origin: wp.vec3d, directi
     ray = tool_ray(pose.tip, pose.axis, cutter.middle, origin, direction)
     hit = cutter_interval(cutter, ray)
     chord = Chord()
-    chord.entry.found = 0
-    chord.exit.found = 0
-    chord.entry.x = x
-    chord.exit.x = x
-    chord.entry.tau = FAR
-    chord.exit.tau = FAR
-    if hit.found == 1:
-        chord.entry = contact_rates(cutter, pose, ray, x, hit.lo, hit.lo_face)
-        chord.exit = contact_rates(cutter, pose, ray, x, hit.hi, hit.hi_face)
-        chord.entry.tau = hit.lo + ray.shift
-        chord.exit.tau = -(hit.hi + ray.shift)
-        chord.entry.steep = wp.max(chord.entry.steep, f64(0.0))
-        chord.exit.steep = wp.max(-chord.exit.steep, f64(0.0))
+    chord.entry = end_of(cutter, pose, ray, hit, x, 0)
+    chord.exit = end_of(cutter, pose, ray, hit, x, 1)
     return chord
 
 
@@ -102,7 +114,7 @@ def gap_at(cutter: Cutter, motion: Motion, row: int, origin: wp.vec3d, direction
     tau = closest_point(cutter, ray)
     z = ray.z0 + tau * ray.dz
     w = ray.w0 + tau * ray.w1
-    r = wp.max(wp.length(w), TINY)
+    r = greater(wp.length(w), TINY)
     d = outside_distance(cutter, r, z)
     c = with_rates(pose, ray, x, tau, z, w, r, wp.vec2d(d[1], d[2]))
     return wp.vec2d(d[0], c.push)

@@ -6,7 +6,7 @@ an arc counts as the ball that holds it, or as its cylinder where it is centred 
 
 import warp as wp
 
-from gearsim.kernels.profile import FAR, LINE, TINY, Cutter, ball_interval, line_interval, tool_ray
+from gearsim.kernels.profile import FAR, LINE, TINY, Cutter, ball_interval, greater, lesser, line_interval, tool_ray
 
 f64 = wp.float64
 
@@ -42,11 +42,11 @@ def near_stretch(
     for k in range(cutter.first, cutter.end):
         below = (cutter.slabs[k, 0] - grown - ray.z0) * per_dz
         above = (cutter.slabs[k, 1] + grown - ray.z0) * per_dz
-        lo = wp.max(wp.min(below, above), window[0] - ray.shift)
-        hi = wp.min(wp.max(below, above), window[1] - ray.shift)
+        lo = greater(lesser(below, above), window[0] - ray.shift)
+        hi = lesser(greater(below, above), window[1] - ray.shift)
         if lo <= hi:
             part = wp.vec2d(f64(1.0), f64(0.0))
-            if cutter.kind[k] == LINE:
+            if cutter.slabs[k, 5] == LINE:
                 radius = cutter.slabs[k, 2] + grown * cutter.slabs[k, 4]
                 part = line_interval(ray, radius, cutter.slabs[k, 3], cutter.slabs[k, 0], lo, hi)
             elif cutter.slabs[k, 2] < f64(0.0):
@@ -54,8 +54,8 @@ def near_stretch(
             else:
                 part = ball_interval(ray, cutter.slabs[k, 3], cutter.slabs[k, 2] + cutter.slabs[k, 4] + grown, lo, hi)
             if part[0] <= part[1]:
-                first = wp.min(first, part[0])
-                last = wp.max(last, part[1])
+                first = lesser(first, part[0])
+                last = greater(last, part[1])
     if first > last:
         return wp.vec2d(f64(1.0), f64(0.0))
     return wp.vec2d(first + ray.shift, last + ray.shift)

@@ -20,7 +20,7 @@ def outside_distance(cutter: Cutter, r: f64, z: f64) -> wp.vec3d:
         z1 = cutter.slabs[k, 1]
         r0 = cutter.slabs[k, 2]
         r1 = r0
-        if cutter.kind[k] == LINE:
+        if cutter.slabs[k, 5] == LINE:
             slope = cutter.slabs[k, 3]
             r1 = r0 + slope * (z1 - z0)
             along = ((r - r0) * slope + (z - z0)) / (f64(1.0) + slope * slope)
@@ -76,8 +76,8 @@ def closest_point(cutter: Cutter, ray: ToolRay) -> f64:
     """Tau at which a ray that misses the cutter comes closest to it; safeguarded secant on the derivative."""
     a = -cutter.size
     b = cutter.size
-    fa = ray_distance(cutter, ray, a)[1]
-    fb = ray_distance(cutter, ray, b)[1]
+    fa = f64(-1.0)
+    fb = f64(1.0)
     tau = f64(0.0)
     step = int(0)
     while step < GAP_STEPS:

@@ -10,29 +10,47 @@ import warp as wp
 
 f64 = wp.float64
 
-LINE = wp.constant(0)
-ARC = wp.constant(1)
+LINE = wp.constant(f64(0.0))
+ARC = wp.constant(f64(1.0))
 
 FAR = wp.constant(f64(1.0e30))
 TINY = wp.constant(f64(1.0e-14))
 NEWTON_STEPS = wp.constant(60)
 
 
-@wp.struct
-class Cutter:
-    """Slabs from the tip up, part after part; lengths in mm, tool frame.
+@wp.func
+def lesser(a: f64, b: f64) -> f64:
+    """The lesser of two numbers; wp.min also weighs what to do with nan, at twice the price."""
+    return wp.where(a < b, a, b)
 
-    ``slabs`` row: z0, z1, then radius at z0, slope dr/dz, sqrt(1 + slope²) (line) or centre r, centre z, radius
-    (arc; a centre beyond the axis makes a spindle). Part p owns the slabs ``part_first[p]`` to
-    ``part_first[p + 1]``; job j has the parts ``job_first[j]`` to ``job_first[j + 1]``. The part looked at owns
-    ``first`` to ``end``, ``middle`` is the height of its middle and ``size`` more than its largest extent.
+
+@wp.func
+def greater(a: f64, b: f64) -> f64:
+    """The greater of two numbers."""
+    return wp.where(a > b, a, b)
+
+
+@wp.struct
+class Cutters:
+    """The cutters of all jobs: job j has the parts ``job_first[j]`` to ``job_first[j + 1]``, part p the slabs
+    ``part_first[p]`` to ``part_first[p + 1]``; lengths in mm, tool frame.
+
+    ``slabs`` row, from the tip up: z0, z1, then radius at z0, slope dr/dz, sqrt(1 + slope²), LINE or centre r,
+    centre z, radius, ARC (a centre beyond the axis makes a spindle). ``part_size`` is more than a part's largest
+    extent.
     """
 
-    kind: wp.array(dtype=wp.int32)
     slabs: wp.array2d(dtype=f64)
     part_first: wp.array(dtype=wp.int32)
     part_size: wp.array(dtype=f64)
     job_first: wp.array(dtype=wp.int32)
+
+
+@wp.struct
+class Cutter:
+    """One convex part: the slabs ``first`` to ``end``, the height of its middle, and more than its size."""
+
+    slabs: wp.array2d(dtype=f64)
     first: wp.int32
     end: wp.int32
     middle: f64
@@ -69,13 +87,14 @@ class Hit:
 
 
 @wp.func
-def convex_part(cutter: Cutter, part: int) -> Cutter:
-    """The cutter with another of its parts to look at."""
-    one = cutter
-    one.first = cutter.part_first[part]
-    one.end = cutter.part_first[part + 1]
-    one.size = cutter.part_size[part]
-    one.middle = f64(0.5) * (cutter.slabs[one.first, 0] + cutter.slabs[one.end - 1, 1])
+def convex_part(cutters: Cutters, part: int) -> Cutter:
+    """One part of a cutter."""
+    one = Cutter()
+    one.slabs = cutters.slabs
+    one.first = cutters.part_first[part]
+    one.end = cutters.part_first[part + 1]
+    one.middle = f64(0.5) * (one.slabs[one.first, 0] + one.slabs[one.end - 1, 1])
+    one.size = cutters.part_size[part]
     return one
 
 
@@ -119,13 +138,13 @@ def line_interval(ray: ToolRay, radius: f64, slope: f64, z_base: f64, lo: f64, h
     t2 = f64(0.0)
     if q != f64(0.0):
         t2 = c / q
-    first = wp.min(t1, t2)
-    last = wp.max(t1, t2)
+    first = lesser(t1, t2)
+    last = greater(t1, t2)
     if a > f64(0.0):
-        return wp.vec2d(wp.max(lo, first), wp.min(hi, last))
+        return wp.vec2d(greater(lo, first), lesser(hi, last))
     if first > lo:
-        return wp.vec2d(lo, wp.min(hi, first))
-    return wp.vec2d(wp.max(lo, last), hi)
+        return wp.vec2d(lo, lesser(hi, first))
+    return wp.vec2d(greater(lo, last), hi)
 
 
 @wp.func
@@ -185,7 +204,7 @@ def ball_interval(ray: ToolRay, centre_z: f64, radius: f64, lo: f64, hi: f64) ->
     if disc < f64(0.0):
         return wp.vec2d(f64(1.0), f64(0.0))
     root = wp.sqrt(disc)
-    return wp.vec2d(wp.max(lo, -b - root), wp.min(hi, root - b))
+    return wp.vec2d(greater(lo, -b - root), lesser(hi, root - b))
 
 
 @wp.func
@@ -223,12 +242,12 @@ def cutter_interval(cutter: Cutter, ray: ToolRay) -> Hit:
         if wp.abs(ray.dz) > TINY:
             ta = (z0 - ray.z0) / ray.dz
             tb = (z1 - ray.z0) / ray.dz
-            lo = wp.min(ta, tb)
-            hi = wp.max(ta, tb)
+            lo = lesser(ta, tb)
+            hi = greater(ta, tb)
         elif ray.z0 < z0 or ray.z0 > z1:
             continue
         part = wp.vec2d(f64(1.0), f64(0.0))
-        if cutter.kind[k] == LINE:
+        if cutter.slabs[k, 5] == LINE:
             part = line_interval(ray, cutter.slabs[k, 2], cutter.slabs[k, 3], z0, lo, hi)
         else:
             part = arc_interval(ray, cutter.slabs[k, 2], cutter.slabs[k, 3], cutter.slabs[k, 4], lo, hi)
@@ -262,7 +281,7 @@ def face_normal(cutter: Cutter, face: int, r: f64, z: f64) -> wp.vec2d:
         if z > cutter.middle:
             return wp.vec2d(f64(0.0), f64(1.0))
         return wp.vec2d(f64(0.0), f64(-1.0))
-    if cutter.kind[k] == LINE:
+    if cutter.slabs[k, 5] == LINE:
         scale = f64(1.0) / cutter.slabs[k, 4]
         return wp.vec2d(scale, -cutter.slabs[k, 3] * scale)
-    return wp.vec2d(wp.max(r - cutter.slabs[k, 2], f64(0.0)), z - cutter.slabs[k, 3]) / cutter.slabs[k, 4]
+    return wp.vec2d(greater(r - cutter.slabs[k, 2], f64(0.0)), z - cutter.slabs[k, 3]) / cutter.slabs[k, 4]

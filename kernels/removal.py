@@ -5,12 +5,18 @@ import warp as wp
 from gearsim.kernels.cull import Groups, near_stretch
 from gearsim.kernels.interval import IntervalLists, covers
 from gearsim.kernels.pose import Motion
-from gearsim.kernels.profile import Cutter, convex_part
+from gearsim.kernels.profile import Cutter, Cutters, convex_part
 from gearsim.kernels.sweep import cut_by_segment
 
 f64 = wp.float64
 
-wp.set_module_options({"enable_backward": False})
+wp.set_module_options(
+    {
+        "enable_backward": False,
+        # cut_by_segment inlined into the loop over candidates, which clang would not do unasked: 15 % faster
+        "cpu_compiler_flags": "-march=native -mllvm=-inline-threshold=100000",
+    }
+)
 
 CAPSULE_PAD = wp.constant(wp.float32(1.0e-3))
 
@@ -28,7 +34,7 @@ def may_cut(
 @wp.kernel
 def cut_rays(
     # cutter
-    cutter: Cutter,
+    cutters: Cutters,
     # motion
     motion: Motion,
     groups: Groups,
@@ -58,8 +64,8 @@ def cut_rays(
     candidates = int(0)
     pairs = int(0)
     status = int(0)
-    for p in range(cutter.job_first[job[ray]], cutter.job_first[job[ray] + 1]):
-        part = convex_part(cutter, p)
+    for p in range(cutters.job_first[job[ray]], cutters.job_first[job[ray] + 1]):
+        part = convex_part(cutters, p)
         candidates = int(0)
         query = wp.bvh_query_capsule(
             bvh, wp.vec3(o + window[0] * d), wp.vec3((window[1] - window[0]) * d), CAPSULE_PAD, root

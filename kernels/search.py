@@ -1,18 +1,15 @@
 """The earliest entry of a ray into the cutter over a part of one segment.
 
-Let F(x, tau) be the signed distance of the ray's point tau to the cutter at pose x. For a convex cutter F
-is the largest of linear functions of the point seen from the tool, so it is semi-convex: with K the bound
-on that point's second derivative and w the axis rate,
-    F(x + s, tau + u) >= F + F_x s + F_tau u - K s²/2 - w |s u|.
-This bounds from below how early the ray can be entered near a known pose; the search for the earliest
-entry stops when such bounds leave no room for more than the tolerance.
+A descent to a minimum and a march to both ends of the bracket, which stop when the bounds of kernels/bounds.py
+leave no room for an entry that is earlier by more than the tolerance.
 """
 
 import warp as wp
 
-from gearsim.kernels.contact import Contact, chord_at, side_of
+from gearsim.kernels.bounds import certified_reach, cubic_minimum, lower_bound
+from gearsim.kernels.contact import Contact, end_at
 from gearsim.kernels.pose import Motion
-from gearsim.kernels.profile import FAR, TINY, Cutter
+from gearsim.kernels.profile import TINY, Cutter, greater, lesser
 
 f64 = wp.float64
 
@@ -59,61 +56,6 @@ class Search:
 
 
 @wp.func
-def certified_reach(push: f64, steep: f64, room: f64, curvature: f64, spin: f64, slack: f64) -> f64:
-    """How far from a contact no entry can come earlier than ``room`` before it.
-
-    ``push`` is F_x in the direction of travel; ``slack`` is the penetration [mm] that is let pass.
-    """
-    q = push - room * spin
-    offer = f64(2.0) * (room * steep + slack)
-    root = wp.sqrt(q * q + curvature * offer)
-    if q >= f64(0.0):
-        reach = (q + root) / wp.max(curvature, TINY)
-    else:
-        reach = offer / (root - q)
-    return wp.min(reach, steep / wp.max(spin, TINY))
-
-
-@wp.func
-def slope(c: Contact) -> f64:
-    """Derivative of the entry by x at a contact."""
-    return c.push / wp.max(c.steep, TINY)
-
-
-@wp.func
-def lower_bound(a: Contact, b: Contact, curvature: f64, spin: f64) -> wp.vec2d:
-    """Where the bounds from two contacts that straddle a minimum meet, and the earliest entry they allow.
-
-    From a contact, an entry s onward is earlier by at most (|push| s + K s²/2) / (steep - w s).
-    """
-    width = b.x - a.x
-    steep_a = a.steep - spin * width
-    steep_b = b.steep - spin * width
-    if steep_a <= TINY or steep_b <= TINY:
-        return wp.vec2d(f64(0.5) * (a.x + b.x), -FAR)
-    slope_a = a.push / steep_a
-    slope_b = b.push / steep_b
-    bend_a = curvature / steep_a
-    bend_b = curvature / steep_b
-    over = a.tau - b.tau + slope_b * width + f64(0.5) * bend_b * width * width
-    fall = slope_b - slope_a + bend_b * width
-    four_ac = f64(2.0) * (bend_b - bend_a) * over
-    s = f64(2.0) * over / (fall + wp.sqrt(wp.max(fall * fall - four_ac, f64(0.0))))
-    s = wp.clamp(s, f64(0.0), width)
-    return wp.vec2d(a.x + s, a.tau + slope_a * s - f64(0.5) * bend_a * s * s)
-
-
-@wp.func
-def cubic_minimum(a: Contact, b: Contact) -> f64:
-    """Minimiser of the cubic through two contacts with slopes of opposite sign, a to the left."""
-    slope_a = slope(a)
-    slope_b = slope(b)
-    d1 = slope_a + slope_b - f64(3.0) * (a.tau - b.tau) / (a.x - b.x)
-    d2 = wp.sqrt(wp.max(d1 * d1 - slope_a * slope_b, f64(0.0)))
-    return b.x - (b.x - a.x) * (slope_b + d2 - d1) / (slope_b - slope_a + f64(2.0) * d2)
-
-
-@wp.func
 def straddles(a: Contact, b: Contact) -> bool:
     """Whether the entry falls from a and rises to b."""
     return a.found == 1 and b.found == 1 and a.push < f64(0.0) and b.push > f64(0.0)
@@ -134,7 +76,7 @@ def descent_point(a: Contact, b: Contact, known: f64, tolerance: f64, curvature:
         finished = finished or b.push <= f64(0.0)
     if not finished and straddles(a, b):
         bound = lower_bound(a, b, curvature, spin)
-        finished = wp.min(wp.min(a.tau, b.tau), known) - bound[1] < f64(0.5) * tolerance
+        finished = lesser(lesser(a.tau, b.tau), known) - bound[1] < f64(0.5) * tolerance
         if turn % 3 == 0:
             x = cubic_minimum(a, b)
         elif turn % 3 == 1:
@@ -172,13 +114,13 @@ def march_point(
     """Where to look next on the way from here to the end, and 1 where the rest is certified (else 0)."""
     forward = wp.sign(end.x - here.x)
     slack = f64(0.1) * tolerance
-    room = wp.max(here.tau - best, f64(0.0)) + tolerance
+    room = greater(here.tau - best, f64(0.0)) + tolerance
     reach = certified_reach(forward * here.push, here.steep, room, curvature, spin, slack)
     left_over = wp.abs(end.x - here.x)
     if end.found == 1:
-        room = wp.max(end.tau - best, f64(0.0)) + tolerance
+        room = greater(end.tau - best, f64(0.0)) + tolerance
         left_over -= certified_reach(-forward * end.push, end.steep, room, curvature, spin, slack)
-    reach = wp.max(reach, floor)
+    reach = greater(reach, floor)
     if reach >= left_over:
         return wp.vec2d(end.x, f64(1.0))
     return wp.vec2d(here.x + forward * reach, f64(0.0))
@@ -200,7 +142,7 @@ def start_search(
     s.from_x = left.x
     s.to_x = right.x
     s.known = known
-    if wp.min(s.best.tau, known) < enough:
+    if lesser(s.best.tau, known) < enough:
         s.phase = DONE
         return s
     here = left
@@ -208,7 +150,7 @@ def start_search(
     if left.found == 0:
         here = right
         end = left
-    if march_point(here, end, wp.min(s.best.tau, known), tolerance, curvature, spin, f64(0.0))[1] == f64(1.0):
+    if march_point(here, end, lesser(s.best.tau, known), tolerance, curvature, spin, f64(0.0))[1] == f64(1.0):
         s.phase = DONE
     return s
 
@@ -218,7 +160,7 @@ def aim(
     s: Search, left: Contact, right: Contact, enough: f64, tolerance: f64, curvature: f64, spin: f64, turn: int
 ) -> Search:  # fmt: skip
     """Choose where to look next, going on to the next phase where one has nothing left to look for."""
-    best = wp.min(s.best.tau, s.known)
+    best = lesser(s.best.tau, s.known)
     if best < enough:
         s.phase = DONE
         return s
@@ -253,7 +195,7 @@ def take(s: Search, at: Contact, left: Contact, right: Contact, tolerance: f64) 
         s.to_x = at.x
         s.phase = DONE
         return s
-    earlier = at.tau < wp.min(s.best.tau, s.known) - f64(0.5) * tolerance
+    earlier = at.tau < lesser(s.best.tau, s.known) - f64(0.5) * tolerance
     if at.tau < s.best.tau:
         s.best = at
     if s.phase == DESCEND:
@@ -299,7 +241,7 @@ def earliest_entry(
     while evaluations < MAX_EVALUATIONS and s.phase != DONE:
         s = aim(s, left, right, enough, tolerance, motion.acceleration[row], motion.spin[row], evaluations)
         if s.phase != DONE:
-            at = side_of(chord_at(cutter, motion, row, origin, direction, s.x), side)
+            at = end_at(cutter, motion, row, origin, direction, side, s.x)
             evaluations += 1
             s = take(s, at, left, right, tolerance)
     out = Extreme()

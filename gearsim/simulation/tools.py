@@ -14,7 +14,7 @@ from gearsim.cutters.element import Element
 from gearsim.cutters.profile import Profile
 from gearsim.kernels.cull import Groups
 from gearsim.kernels.pose import Motion
-from gearsim.kernels.profile import ARC, LINE, Cutter
+from gearsim.kernels.profile import ARC, LINE, Cutters
 from gearsim.kernels.ring import Ring
 from gearsim.motion.segments import SegmentTable
 
@@ -22,19 +22,16 @@ _SHRINK = 1e-11
 _GROUP_TRAVEL = 0.6
 
 
-def cutter_data(cutters: Sequence[Profile], device: str) -> Cutter:
+def cutter_data(cutters: Sequence[Profile], device: str) -> Cutters:
     """The convex parts of cutters that are no rings, one cutter a job: the elements that rise, as slabs."""
-    rows, kinds, first, size, job_first = [], [], [0], [], [0]
+    rows, first, size, job_first = [], [0], [], [0]
     for cutter in cutters:
         for part in cutter.parts:
-            risen = [e for e in part.elements if not e.is_flat]
-            rows += [_slab(e) for e in risen]
-            kinds += [int(ARC if e.is_arc else LINE) for e in risen]
+            rows += [_slab(e) for e in part.elements if not e.is_flat]
             first.append(len(rows))
             size.append(2.0 * cutter.reach)
         job_first.append(len(size))
-    data = Cutter()
-    data.kind = wp.array(kinds, dtype=wp.int32, device=device)
+    data = Cutters()
     data.slabs = wp.array(np.array(rows), dtype=wp.float64, device=device)
     data.part_first = wp.array(first, dtype=wp.int32, device=device)
     data.part_size = wp.array(size, dtype=wp.float64, device=device)
@@ -43,12 +40,12 @@ def cutter_data(cutters: Sequence[Profile], device: str) -> Cutter:
 
 
 def _slab(e: Element) -> list[float]:
-    """A row of Cutter.slabs."""
+    """A row of Cutters.slabs."""
     (r0, z0), (r1, z1) = e.start, e.end
     if e.is_arc:
-        return [z0, z1, e.centre[0], e.centre[1], e.radius]
+        return [z0, z1, e.centre[0], e.centre[1], e.radius, float(ARC)]
     slope = (r1 - r0) / (z1 - z0)
-    return [z0, z1, r0, slope, float(np.hypot(1.0, slope))]
+    return [z0, z1, r0, slope, float(np.hypot(1.0, slope)), float(LINE)]
 
 
 def ring_data(cutter: Profile, device: str) -> Ring:

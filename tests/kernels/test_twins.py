@@ -12,7 +12,7 @@ from gearsim.kernels.cull import near_stretch
 from gearsim.kernels.distance import outside_distance
 from gearsim.kernels.interval import IntervalLists, insert
 from gearsim.kernels.pose import Motion, pose_at
-from gearsim.kernels.profile import Cutter, convex_part, cutter_interval, tool_ray
+from gearsim.kernels.profile import Cutters, convex_part, cutter_interval, tool_ray
 from gearsim.motion.segments import DEGREE, compile_motion
 from gearsim.simulation.tools import cutter_data, motion_data
 from gearsim.toolpaths.flank import FlankPath
@@ -32,7 +32,7 @@ NAMES = ["conical", "ball", "flat", "bull", "barrel", "spindle"]
 
 @wp.kernel(enable_backward=False)
 def interval_kernel(
-    cutter: Cutter,
+    cutters: Cutters,
     origin: wp.array(dtype=wp.vec3d),
     direction: wp.array(dtype=wp.vec3d),
     spread: wp.float64,
@@ -45,7 +45,7 @@ def interval_kernel(
     zero = wp.float64(0.0)
     tip = wp.vec3d(zero, zero, zero)
     axis = wp.vec3d(zero, zero, wp.float64(1.0))
-    part = convex_part(cutter, 0)
+    part = convex_part(cutters, 0)
     ray = tool_ray(tip, axis, part.middle, origin[i], direction[i])
     hit = cutter_interval(part, ray)
     found_out[i] = hit.found
@@ -54,9 +54,9 @@ def interval_kernel(
 
 
 @wp.kernel(enable_backward=False)
-def distance_kernel(cutter: Cutter, rz: wp.array(dtype=wp.vec2d), out: wp.array(dtype=wp.vec3d)):
+def distance_kernel(cutters: Cutters, rz: wp.array(dtype=wp.vec2d), out: wp.array(dtype=wp.vec3d)):
     i = wp.tid()
-    out[i] = outside_distance(convex_part(cutter, 0), rz[i][0], rz[i][1])
+    out[i] = outside_distance(convex_part(cutters, 0), rz[i][0], rz[i][1])
 
 
 @wp.kernel(enable_backward=False)
