@@ -1,0 +1,1 @@
+"""Cylindrical gears milled by generation: plan, post, read back, cut, measure."""

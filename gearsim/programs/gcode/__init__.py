@@ -1,0 +1,1 @@
+"""The reader of G-code: from text to the blocks a machine runs."""

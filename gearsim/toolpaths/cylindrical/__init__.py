@@ -1,0 +1,1 @@
+"""Toolpaths for cylindrical gears on a five-axis mill (Groover 2018)."""
