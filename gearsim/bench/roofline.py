@@ -2,8 +2,8 @@
 
 Operations are counted by hand in the kernels' source: +, -, *, / and a square root count one each; comparisons,
 min, max, abs and signs none; a dot product of space 5, a length 6. What is left out makes the counts low, never
-high: the turning away of candidates that do not become pairs, alone or in groups, Newton's steps into an arc,
-hits hidden between misses, and the upkeep of the interval lists.
+high: the turning away of candidates that do not become pairs, alone or in groups, the other end of the chords a pair
+begins with, Newton's steps into an arc, hits hidden between misses, and the upkeep of the interval lists.
 
 | part | source | operations |
 | --- | --- | --- |
@@ -11,7 +11,7 @@ hits hidden between misses, and the upkeep of the interval lists.
 | tool ray | kernels/profile.py ``tool_ray`` | 53 |
 | line slab | kernels/cull.py: planes 6, inflation 2; kernels/profile.py ``line_interval`` 17 | 25 |
 | arc slab | kernels/cull.py: planes 6, inflation 2; kernels/profile.py ``ball_interval`` 12 | 20 |
-| contact | kernels/contact.py: point 14, face normal 5, rates 36; an evaluation has two | 55 |
+| contact | kernels/contact.py: point 14, parameter 1, face normal 5, rates 35 | 55 |
 | search | kernels/search.py: bounds of a step, and a third each of the ways to the next guess | 40 |
 | ring | kernels/ring.py: pose 120, point 30, rates 59 | 209 |
 | ring line, arc | kernels/ring.py ``section_distance`` | 4, 13 |
@@ -44,7 +44,7 @@ def cull_operations(cutter: Profile) -> float:
 
 
 def evaluation_operations(cutter: Profile) -> float:
-    """Operations of one evaluation of a pair: the chord at a pose and the search's step; for a ring, its distance."""
+    """Operations of one evaluation of a pair: a chord's end at a pose and the search's step; a ring's distance."""
     op = OPERATIONS
     if cutter.is_ring:
         pairs = list(joints(cutter.elements, ring=True))
@@ -52,7 +52,7 @@ def evaluation_operations(cutter: Profile) -> float:
         arcs = len(pairs) - lines + sum(turn(e, after) > CORNER for e, after in pairs)
         return op["ring"] + lines * op["ring line"] + arcs * op["ring arc"]
     slabs = _slabs(cutter) / len(cutter.parts)
-    return op["pose"] + op["tool ray"] + slabs + 2 * op["contact"] + op["search"]
+    return op["pose"] + op["tool ray"] + slabs + op["contact"] + op["search"]
 
 
 def _slabs(cutter: Profile) -> float:
