@@ -14,22 +14,35 @@ from dataclasses import fields
 from time import perf_counter, process_time
 from typing import Any, NamedTuple
 
-from gearsim.bench.workloads import Case, about_dexels, block_case, block_rays, flank_job, pass_over_dexels, some_rows
+from gearsim.bench.workloads import (
+    Case,
+    about_dexels,
+    block_case,
+    block_rays,
+    flank_job,
+    inspections,
+    pass_over_dexels,
+    some_rows,
+)
 from gearsim.simulation import removal
-from gearsim.simulation.removal import SLOT_BYTES, Removal, cut, tile_rays
+from gearsim.simulation.removal import SLOT_BYTES, Job, Removal, cut, cut_jobs, tile_rays
 
 SLOTS = 16
 TOLERANCE = 1e-6
 SMALL_TILE = 1 << 24
 BOX_BYTES = 2 * 3 * 4
 DEVICE_ROW_BYTES = 2 * 6 * 24 + 3 * 8
-RAYS = {"small": (50_000, 500_000), "large": (200_000, 2_000_000)}
-SEGMENTS = {"small": (5_000, 50_000), "large": (20_000, 200_000)}
+COUNTS = {
+    "rays": {"small": (50_000, 500_000), "large": (200_000, 2_000_000)},
+    "segments": {"small": (5_000, 50_000), "large": (20_000, 200_000)},
+    "jobs": {"small": (1_000, 10_000), "large": (10_000, 50_000)},
+}
 
 
 class Peak(NamedTuple):
-    """What a process that cut ``rays`` by ``segments`` took: bytes at its peak, wall and CPU time of the call [s]."""
+    """What a process that cut ``rays`` by ``segments`` in ``jobs`` took: bytes at its peak, wall and CPU time [s]."""
 
+    jobs: int
     rays: int
     segments: int
     peak: int
@@ -59,7 +72,7 @@ def tile_bytes() -> float:
 
 
 def peak_of(kind: str, count: int, tile: int = SMALL_TILE) -> Peak:
-    """Cut ``count`` ``rays``, ``segments`` or rays through the ``program`` in a process of its own."""
+    """Cut ``count`` ``rays``, ``segments``, ``jobs`` or rays through the ``program`` in a process of its own."""
     command = [sys.executable, "-m", "gearsim.bench.memory", kind, str(count), str(tile)]
     with tempfile.TemporaryDirectory() as nowhere:
         done = subprocess.run(command, capture_output=True, text=True, check=True, cwd=nowhere)
@@ -67,11 +80,18 @@ def peak_of(kind: str, count: int, tile: int = SMALL_TILE) -> Peak:
 
 
 def growth(kind: str, size: str) -> tuple[float, float]:
-    """Measured bytes a ray or a segment, and what the process takes beside them [bytes]; tiles are kept small."""
-    few, many = (peak_of(kind, n) for n in (RAYS if kind == "rays" else SEGMENTS)[size])
-    column = 0 if kind == "rays" else 1
-    slope = (many.peak - few.peak) / (many[column] - few[column])
-    return slope, few.peak - slope * few[column]
+    """Measured bytes a ray, segment or job, and what the process takes beside them [bytes]; tiles are kept small."""
+    few, many = (peak_of(kind, n) for n in COUNTS[kind][size])
+    first, last = getattr(few, kind), getattr(many, kind)
+    slope = (many.peak - few.peak) / (last - first)
+    return slope, few.peak - slope * first
+
+
+def _jobs(kind: str, count: int) -> list[Job]:
+    if kind == "jobs":
+        return inspections(count)
+    case = _case(kind, count)
+    return [Job(case.rays, case.table, case.cutter)]
 
 
 def _case(kind: str, count: int) -> Case:
@@ -86,13 +106,14 @@ def _case(kind: str, count: int) -> Case:
 
 def _cut(kind: str, count: int, tile: int) -> Peak:
     vars(removal)["TILE_BYTES"] = tile
-    case = _case(kind, count)
-    cut(case.rays.part(slice(0, 1)), case.table, case.cutter)  # loads the kernel
+    jobs = _jobs(kind, count)
+    cut(jobs[0].rays.part(slice(0, 1)), jobs[0].table, jobs[0].cutter)  # loads the kernel
     started, cpu = perf_counter(), process_time()
-    cut(case.rays, case.table, case.cutter, slots=SLOTS, tolerance=TOLERANCE)
+    cut_jobs(jobs, slots=SLOTS, tolerance=TOLERANCE)
     seconds, cpu_s = perf_counter() - started, process_time() - cpu
     peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * 1024
-    return Peak(len(case.rays), len(case.table), peak, seconds, cpu_s)
+    rays, segments = (sum(len(part) for part in parts) for parts in ([j.rays for j in jobs], [j.table for j in jobs]))
+    return Peak(len(jobs), rays, segments, peak, seconds, cpu_s)
 
 
 if __name__ == "__main__":

@@ -1,8 +1,11 @@
-"""Benchmark suite `scaling`: how time and memory grow with rays and with segments, and what fits a memory."""
+"""Benchmark suite `scaling`: how time and memory grow with rays, segments and jobs, and what fits a memory."""
 
 from __future__ import annotations
 
+from collections.abc import Callable, Sequence
 from dataclasses import asdict, dataclass
+from statistics import median
+from time import perf_counter, process_time
 from typing import Any
 
 import numpy as np
@@ -19,11 +22,12 @@ from gearsim.bench.memory import (
     tile_bytes,
 )
 from gearsim.bench.timing import Cuts, timed_cuts
-from gearsim.bench.workloads import Case, about_dexels, block_case, flank_job, normals, some_rows
-from gearsim.simulation.removal import TILE_BYTES, prepare
+from gearsim.bench.workloads import Case, about_dexels, block_case, flank_job, inspections, normals, some_rows
+from gearsim.simulation.removal import TILE_BYTES, Job, cut, cut_jobs, prepare
 
 RAYS = {"small": (100, 1_000, 10_000, 100_000), "large": (1_000, 10_000, 100_000, 1_000_000)}
 SEGMENTS = {"small": (10, 100, 1_000, 10_000), "large": (100, 1_000, 10_000, 100_000)}
+JOBS = {"small": (1, 10, 100, 1_000), "large": (10, 100, 1_000, 10_000)}
 BLOCK_SHARE = {"small": 0.02, "large": 0.2}
 BLOCK_PITCH = {"small": 0.5, "large": 2.0}
 BIG_RAYS = 10_000_000
@@ -56,7 +60,7 @@ def fitted(sizes: ArrayLike, seconds: ArrayLike) -> Law:
 
 
 def scaling(device: str, size: str) -> dict[str, Any]:
-    """Time and memory against rays and segments, with exponents; the largest jobs that 24 and 80 GB hold."""
+    """Time and memory against rays, segments and jobs, with exponents; the largest jobs that 24 and 80 GB hold."""
     prepare(device)
     per_ray, base = growth("rays", size)
     per_segment, _ = growth("segments", size)
@@ -66,6 +70,7 @@ def scaling(device: str, size: str) -> dict[str, Any]:
     rows.append(_row("rays, tri-dexel", dexels_law, per_ray, ray_bytes(cases[-1], cuts.last), base))
     law, _ = _law(device, cases := _segments(size), "segments")
     rows.append(_row("segments, tri-dexel", law, per_segment, segment_bytes(cases[-1]), base))
+    rows += _job_rows(device, size)
     report: dict[str, Any] = {"columns": list(_COLUMNS), "rows": rows, "notes": _notes(cases[-1])}
     if size == "large":
         report["big"] = big = _big_run(dexels_law, rows[1]["B each"], base)
@@ -109,6 +114,38 @@ def _law(device: str, cases: list[Case], what: str) -> tuple[Law, Cuts]:
     return fitted(sizes, seconds), cuts[-1]
 
 
+def _job_rows(device: str, size: str) -> list[dict[str, Any]]:
+    """Small independent jobs, cut in joint launches and each by a launch of its own."""
+    measured, base = growth("jobs", size)
+    jobs = inspections(JOBS[size][-1])
+    one = Case("", jobs[0].rays, jobs[0].table, jobs[0].cutter)
+    done = cut(*jobs[0], device=device, tolerance=TOLERANCE)
+    counted = len(one.rays) * ray_bytes(one, done) + len(one.table) * segment_bytes(one)
+
+    def alone(some: Sequence[Job]) -> None:
+        for job in some:
+            cut(*job, device=device, tolerance=TOLERANCE, threads=1)
+
+    def together(some: Sequence[Job]) -> None:
+        cut_jobs(some, device=device, tolerance=TOLERANCE, threads=1)
+
+    laws = [_job_law(device, work, jobs, JOBS[size]) for work in (together, alone)]
+    names = ("jobs, joint launches", "jobs, a launch each")
+    return [_row(name, law, measured, counted, base) for name, law in zip(names, laws, strict=True)]
+
+
+def _job_law(device: str, work: Callable[[Sequence[Job]], None], jobs: list[Job], counts: tuple[int, ...]) -> Law:
+    """Time of the whole call against the number of jobs; on CUDA wall time, for the launches wait for the host."""
+    clock = process_time if device == "cpu" else perf_counter
+
+    def seconds(some: Sequence[Job]) -> float:
+        started = clock()
+        work(some)
+        return clock() - started
+
+    return fitted(counts, [median(seconds(jobs[:n]) for _ in range(3)) for n in counts])
+
+
 def _row(name: str, law: Law, measured: float, counted: float, base: float) -> dict[str, Any]:
     row = {
         "growth with": name,
@@ -132,7 +169,8 @@ def _notes(last: Case) -> list[str]:
         "Time: CPU time of the whole call on one thread (on CUDA the launch's wall time), medians of 3, to 1e-6 mm; "
         "exponent: least squares of logarithms over all four sizes; last decade: between the two largest. Rays go "
         "through the README's program (276 segments); segments, spread evenly over a block, through "
-        f"{len(last.rays):,} rays. hours: one thread, from the largest size measured with the last decade's exponent.",
+        f"{len(last.rays):,} rays; a job is 45 rays through 32 segments, the README's flank on an inspector's grid. "
+        "hours: one thread, from the largest size measured with the last decade's exponent.",
         "B each: growth of the peak of processes that cut more and more, interval lists kept small; counted: bytes of "
         "the arrays of host and device. fits: what is left of the memory beside the process and a full tile "
         f"of interval lists ({1e-9 * tile_bytes():.2f} GB at most, whatever the number of rays), over the larger of "

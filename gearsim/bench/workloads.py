@@ -20,6 +20,7 @@ from gearsim.motion.segments import SegmentTable, compile_motion, join
 from gearsim.motion.sources import CLMotion
 from gearsim.scene import FlankMillingScene, GeneratedScene, load_scene
 from gearsim.simulation.dexels import DexelBox
+from gearsim.simulation.removal import Job
 
 DEXEL_PITCH = 0.15
 BLOCK = (100.0, 60.0, 20.0)
@@ -74,6 +75,14 @@ def flank_cases() -> list[Case]:
         Case("normals, CL data", rays, job.program, job.cutter),
         Case("tri-dexel, CL data", slot_dexels(), job.program, job.cutter),
     ]
+
+
+def inspections(count: int) -> list[Job]:
+    """So many small jobs: the README's flank on an inspector's 5 x 9 grid, the tool up to 10 um off."""
+    job = flank_job()
+    rays, table = normals(5, 9), job.theory["convex"].table
+    errors = np.random.default_rng(1).uniform(-0.01, 0.01, (count, 3))
+    return [Job(rays, table.moved(Rigid(np.eye(3), error)), job.cutter) for error in errors]
 
 
 def head_case() -> Case:

@@ -16,7 +16,7 @@ from gearsim.cutters.catalogue import ball, conical
 from gearsim.errors import InputError, NumericalError
 from gearsim.output.screen import print_bench
 from gearsim.output.summary import write_json
-from gearsim.simulation.removal import cut
+from gearsim.simulation.removal import cut, cut_jobs
 
 
 @pytest.fixture
@@ -37,9 +37,10 @@ def tiny(monkeypatch):
     monkeypatch.setattr(goals, "pass_over_dexels", lambda: case)
     monkeypatch.setattr(scaling, "RAYS", few)
     monkeypatch.setattr(scaling, "SEGMENTS", few)
+    monkeypatch.setattr(scaling, "JOBS", {"small": (1, 3), "large": (1, 3)})
     monkeypatch.setattr(scaling, "BLOCK_SHARE", {"small": 2e-3, "large": 2e-3})
     monkeypatch.setattr(scaling, "growth", lambda kind, size: (100.0, 2e8))
-    monkeypatch.setattr(scaling, "peak_of", lambda *job: memory.Peak(1000, 276, 10**9, 2.0, 3.0))
+    monkeypatch.setattr(scaling, "peak_of", lambda *job: memory.Peak(1, 1000, 276, 10**9, 2.0, 3.0))
     monkeypatch.setattr(end_to_end, "_run", lambda folder, device: dict.fromkeys(("seconds", *end_to_end.STAGES), 2.0))
 
 
@@ -134,6 +135,19 @@ def test_a_path_compiled_in_stretches_is_the_same(monkeypatch):
     parts = workloads.compiled(path, cutter)
     assert len(parts) == len(whole)
     assert np.array_equal(parts.tip, whole.tip)
+
+
+def test_small_jobs_cut_together_are_the_jobs_cut_alone():
+    jobs = workloads.inspections(3)
+    assert [len(job.rays) for job in jobs] == [45, 45, 45]
+    assert not np.array_equal(jobs[0].table.tip, jobs[1].table.tip)
+    for job, done in zip(jobs, cut_jobs(jobs), strict=True):
+        assert np.array_equal(done.removed.lo, cut(*job).removed.lo)
+
+
+def test_the_memory_of_jobs_counts_all_their_rays_and_segments():
+    peak = memory._cut("jobs", 2, memory.SMALL_TILE)
+    assert (peak.jobs, peak.rays, peak.segments) == (2, 90, 2 * len(workloads.inspections(1)[0].table))
 
 
 def test_a_tri_dexel_of_about_so_many_rays():
