@@ -11,6 +11,7 @@ from time import perf_counter
 from typing import Any
 
 import gearsim
+from gearsim.bench.code import code
 from gearsim.bench.end_to_end import end_to_end
 from gearsim.bench.envelope import envelope
 from gearsim.bench.goals import goals
@@ -26,7 +27,7 @@ Suite = Callable[[str, str], dict[str, Any]]
 SIZES = ("small", "large")
 SUITES: dict[str, Suite] = {
     "removal": removal, "envelope": envelope, "end-to-end": end_to_end, "goals": goals, "scaling": scaling,
-    "peers": peers,
+    "peers": peers, "code": code,
 }  # fmt: skip
 
 
