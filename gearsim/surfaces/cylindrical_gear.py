@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, fields
 from math import atan, cos, degrees, isfinite, pi, sin, sqrt, tan
+from numbers import Integral
 from typing import Literal
 
 import numpy as np
@@ -219,49 +220,6 @@ class CylindricalGear:
             return float("-inf")
         return depth - self.count * sin(self.transverse_pressure_angle) ** 2 / (2.0 * cos(self.helix_angle))
 
-    def largest_tool_diameter(self) -> float:
-        """The end mill [mm] that touches both flanks of a space just as it generates them at the root form circle.
-
-        Its centre lies on the space's middle: tan(xi + s eta_b) = xi + s N / R_b, with N = r / cos(beta_b). The
-        lean of a tool in a helical space is not counted; `reachable_roll` does.
-        """
-        xi = self.root_roll
-        offset = self.sign * self.base_radius * (tan(xi + self.sign * self.space_half_angle) - xi)
-        return 2.0 * offset * cos(self.base_helix_angle)
-
-    def tool_reach(self, roll: ArrayLike, tool_radius: float) -> NDArray:
-        """Radii [mm] that an end mill generating the flank at a roll [rad] touches deepest in the space.
-
-        Beyond the root circle the tool deepens the root there.
-        """
-        centre = np.asarray(roll, dtype=float) + self.sign * tool_radius * cos(self.base_helix_angle) / self.base_radius
-        return self.base_radius * np.hypot(1.0, centre) - self.sign * tool_radius
-
-    def reachable_roll(self, side: Side, tool_radius: float, z: float = 0.0) -> tuple[float, float]:
-        """Rolls [rad] between which an end mill generates a flank at height z and leaves the involute on both.
-
-        The cylinder's axis lies along the contact line, its end at the contact point, its flutes reach the top face.
-        Empty where the first exceeds the second. Three limits, none of them Groover's as printed (3.26-3.36):
-
-        - the opposite flank: the two normal distances of a point of the axis add up to 2 R_b cos(beta_b) (eta_b + s
-          inv), so with y = xi + s N / R_b, N = r / cos(beta_b), the tool touches both flanks where
-          y - atan(y) = s (N / R_b - eta_b). External: the root end, if N > R_b eta_b. Internal: the root end.
-        - concave flanks: R_b xi / cos(beta_b) >= r, a lower limit.
-        - helical flanks: the roll of the contact line changes by kappa for each mm of height, so both hold for the
-          flutes above ("up" flanks, whose normal rises, toward the opposite flank; the others toward less curvature
-          radius), and at the end for r sin(beta_b). On the safe side by less than kappa r sin(beta_b).
-        """
-        offset = tool_radius / (cos(self.base_helix_angle) * self.base_radius)
-        depth, twist = abs(z), abs(self.twist)
-        rises = flank_sign(side) * self.sign * self.twist > 0.0
-        lean = twist * max(depth if rises else 0.0, tool_radius * sin(abs(self.base_helix_angle)))
-        turn = self.sign * (offset - self.space_half_angle)
-        touch = float(inverse_roll_inv(turn)) - self.sign * offset
-        if not self.is_internal:
-            return (max(self.root_roll, touch + lean) if turn > 0.0 else self.root_roll), self.tip_roll
-        concave = tool_radius * cos(self.base_helix_angle) / self.base_radius + (0.0 if rises else twist * depth)
-        return max(self.tip_roll, concave), min(self.root_roll, touch - lean)
-
     def space_limit(self) -> float:
         """The root radius [mm] at which the flanks of a space meet: the smallest, or an internal gear's largest.
 
@@ -288,8 +246,8 @@ def _check_numbers(gear: CylindricalGear) -> None:
     for name in (f.name for f in fields(gear)):
         if not isfinite(getattr(gear, name)):
             raise InputError(f"{name} must be a finite number, got {getattr(gear, name)}")
-    if gear.teeth != int(gear.teeth) or gear.teeth == 0:
-        raise InputError(f"teeth must be a whole number, negative for an internal gear and not 0; got {gear.teeth:g}")
+    if not isinstance(gear.teeth, Integral) or gear.teeth == 0:
+        raise InputError(f"teeth must be a whole number, negative for an internal gear and not 0; got {gear.teeth}")
     for name in ("module", "facewidth"):
         if getattr(gear, name) <= 0.0:
             raise InputError(f"{name} must be positive, got {getattr(gear, name):g} mm")
