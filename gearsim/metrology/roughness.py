@@ -69,13 +69,14 @@ def measure_roughness(
     first, last = middle - 0.5 * fitting * cutoff_mm, middle + 0.5 * fitting * cutoff_mm
     inside = rough[(x >= first - 1e-9) & (x <= last + 1e-9)] if fitting else np.array([])
     status = _status(height_um, length, fitting, sections, cutoff_mm)
-    values = [float("nan")] * 4
+    ra = rq = rz = ten_point = float("nan")
     if fitting and np.isfinite(height_um).all():
-        ten_point = ten_point_height(inside)
-        values = [float(np.mean(np.abs(inside))), float(np.sqrt(np.mean(inside**2))), _rz(inside, fitting), ten_point]
+        ra, rq = float(np.mean(np.abs(inside))), float(np.sqrt(np.mean(inside**2)))
+        rz, ten_point = _rz(inside, fitting), ten_point_height(inside)
         if np.isnan(ten_point):
             status = "; ".join(s for s in (status, f"fewer than {_PEAKS} peaks and valleys: no ten-point height") if s)
-    return Roughness(*values, x, primary, long_wave, rough, first, last, fitting, cutoff_mm, status)
+    curves = x, primary, long_wave, rough
+    return Roughness(ra, rq, rz, ten_point, *curves, first, last, fitting, cutoff_mm, status)
 
 
 def remove_form(position: NDArray, height_um: NDArray, degree: int) -> NDArray:
