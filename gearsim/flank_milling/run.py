@@ -15,7 +15,7 @@ from gearsim.metrology.bevel import (
     measure_flank,
     measure_root,
 )
-from gearsim.metrology.dexel_check import DexelResult, measure_dexels
+from gearsim.metrology.dexel_check import DexelResult, measure_dexels, slot_box
 from gearsim.metrology.findings import Finding, flank_findings, rapid_findings, root_findings
 from gearsim.metrology.machine import MachineFor, MeasuringMachine
 from gearsim.metrology.roads import LIMIT_UM
@@ -34,9 +34,10 @@ def measure(job: Job, machine_for: MachineFor, device: str) -> FlankMillingResul
     flanks = {side: _measure_side(job, machine, side) for side in SIDES}
     rows = max(3, metrology.rows // 2)
     root = measure_root(machine, job.tooth, job.program, rows, metrology.columns, metrology.margin, metrology.window)
-    pitch = job.scene.simulation.dexel_pitch_mm
+    blank = job.tooth.blank
+    box = slot_box(job.tooth.patches, blank, job.scene.simulation.dexel_pitch_mm)
     grids = [flank.grid for flank in flanks.values()]
-    dexels = measure_dexels(machine, job.tooth.patches, job.tooth.blank, job.program, pitch, grids)
+    dexels = measure_dexels(machine, box, blank.stock, job.program, grids)
     rapid = np.array([name == RAPID for name in job.path_names])[job.program.path]
     findings: list[Finding] = []
     for flank in flanks.values():

@@ -9,7 +9,7 @@ import numpy as np
 from gearsim.errors import Status
 from gearsim.generating.job import Cut, GeneratingJob
 from gearsim.metrology.bevel import FlankMotion, measure_convergence
-from gearsim.metrology.dexel_check import DexelResult, measure_dexels
+from gearsim.metrology.dexel_check import DexelResult, measure_dexels, slot_box
 from gearsim.metrology.findings import Finding, surface_findings
 from gearsim.metrology.machine import MachineFor, MeasuringMachine
 from gearsim.metrology.roads import LIMIT_UM
@@ -81,8 +81,8 @@ def _dexels(
 ) -> DexelResult:  # fmt: skip
     assert job.blank is not None
     grids = [surface.grid for surface in surfaces.values()]
-    pitch = job.scene.simulation.dexel_pitch_mm
-    return measure_dexels(machine, cut.patches, job.blank, motions[cut.generating].table, pitch, grids)
+    box = slot_box(cut.patches, job.blank, job.scene.simulation.dexel_pitch_mm)
+    return measure_dexels(machine, box, job.blank.stock, motions[cut.generating].table, grids)
 
 
 def _verdict(cuts: list[CutResult], dexels: DexelResult | None, findings: list[Finding]) -> tuple[Verdict, str]:

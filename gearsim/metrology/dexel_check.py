@@ -1,4 +1,4 @@
-"""The slot's tri-dexel as a third witness: dexel ends against rays along the normals at their feet."""
+"""A slot's tri-dexel as a third witness: dexel ends against rays along the normals at their feet."""
 
 from __future__ import annotations
 
@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gearsim.geometry.rigid import frame
+from gearsim.geometry.turned import Turned
 from gearsim.metrology.closest import signed_distance
 from gearsim.metrology.machine import MeasuringMachine
 from gearsim.metrology.samples import SampleGrid, window_rays
@@ -24,7 +25,7 @@ _MARGIN = 1.5
 
 @dataclass(frozen=True)
 class DexelResult:
-    """The tri-dexel of the slot: three bundles, and its agreement with rays along the normals.
+    """The tri-dexel of a slot: three bundles, and its agreement with rays along the normals.
 
     ``check_um`` is the largest distance, over ``checked`` cut dexel ends near a flank, to the nearest end of
     what the program removes from the ray along the normal at the foot (inf: it removes nothing there).
@@ -54,15 +55,13 @@ def slot_box(patches: Sequence[Patch], blank: BevelBlank, pitch: float) -> Dexel
 
 
 def measure_dexels(
-    machine: MeasuringMachine, patches: Sequence[Patch], blank: BevelBlank, program: SegmentTable, pitch: float,
-    grids: list[SampleGrid],
-) -> DexelResult:  # fmt: skip
-    """Cut the slot's three dexel bundles out of the blank and check their ends on the surfaces of the grids."""
-    box = slot_box(patches, blank, pitch)
+    machine: MeasuringMachine, box: DexelBox, stock: Turned, program: SegmentTable, grids: list[SampleGrid]
+) -> DexelResult:
+    """Cut the three dexel bundles of a box out of the stock and check their ends on the surfaces of the grids."""
     bundles = []
     for axis in range(3):
         removed = machine.removed(box.rays(axis), program)
-        bundles.append(machined_stock(box, axis, blank.stock, removed))
+        bundles.append(machined_stock(box, axis, stock, removed))
     points = np.concatenate([b.cut_points()[0] for b in bundles])
     checked, worst = 0, 0.0
     for grid in grids:

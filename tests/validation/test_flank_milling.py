@@ -11,7 +11,7 @@ from gearsim.geometry.rays import RayBundle
 from gearsim.geometry.rigid import Rigid
 from gearsim.metrology.bevel import measure_convergence
 from gearsim.metrology.deviation import measure
-from gearsim.metrology.dexel_check import measure_dexels
+from gearsim.metrology.dexel_check import measure_dexels, slot_box
 from gearsim.metrology.machine import MeasuringMachine
 from gearsim.metrology.roads import compare_roads
 from gearsim.metrology.samples import sample_grid
@@ -230,7 +230,8 @@ def test_tri_dexel_ends_lie_where_the_normals_say(tooth, fitting_cutter, device)
         compile_motion(FlankPath(tooth, side, fitting_cutter, 8.0).motion, fitting_cutter.reach) for side in SIDES
     ]
     grids = [sample_grid(tooth.flank(side), 9, 33) for side in SIDES]
-    result = measure_dexels(machine(fitting_cutter, device), tooth.patches, tooth.blank, join(tables), 0.6, grids)
+    box = slot_box(tooth.patches, tooth.blank, 0.6)
+    result = measure_dexels(machine(fitting_cutter, device), box, tooth.blank.stock, join(tables), grids)
     assert result.checked > 300
     assert result.check_um < 1e-3
     volumes = np.array(result.removed_volumes)
