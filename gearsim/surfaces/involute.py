@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from math import cos, sin
 
@@ -9,7 +10,10 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from gearsim.errors import InputError
+from gearsim.geometry import series
 from gearsim.geometry.jets import Curvature, fundamental_curvature
+from gearsim.geometry.pose import PoseSeries
+from gearsim.geometry.series import Series
 from gearsim.surfaces.cylindrical_gear import CylindricalGear, Side, flank_sign
 from gearsim.surfaces.flank_modification import FlankModification
 
@@ -152,6 +156,30 @@ class InvoluteFlank:
         along = abs(c) * (dv - f * twist * du)
         tilted = n - lean * e - along * self.axis(u, v)
         return FlankJet(r, ru, rv, ruu, ruv, rvv, tilted / np.linalg.norm(tilted, axis=-1, keepdims=True))
+
+
+def tangential_motion(flank: InvoluteFlank, offset: float, z: float) -> Callable[[NDArray, int], PoseSeries]:
+    """The pose of an end mill that rolls along a flank without modification, as a function of the roll.
+
+    Its axis lies along the contact line; its end's centre ``offset`` [mm] (tool radius and stock) out of the
+    flank's point at height z. `motion.sources.CurveMotion` takes it.
+    """
+    gear, f = flank.gear, flank.sign
+    c, s = cos(gear.base_helix_angle), sin(gear.base_helix_angle)
+    side = f * gear.sign
+
+    def pose(roll: NDArray, order: int) -> PoseSeries:
+        xi = Series.variable(roll, order)
+        e = series.exp((f * xi + float(flank.lambda_(z))) * 1j)
+        along = xi * (f * gear.base_radius) + side * offset * c
+        tip = e * gear.base_radius - e * 1j * along
+        level = xi * 0.0
+        return PoseSeries(
+            series.stack([tip.real, tip.imag, level + z + side * offset * s]),
+            series.stack([-e.imag * s, e.real * s, level + c]),
+        )
+
+    return pose
 
 
 def _frame(theta: NDArray) -> tuple[NDArray, NDArray]:
