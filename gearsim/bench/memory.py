@@ -111,9 +111,17 @@ def _cut(kind: str, count: int, tile: int) -> Peak:
     started, cpu = perf_counter(), process_time()
     cut_jobs(jobs, slots=SLOTS, tolerance=TOLERANCE)
     seconds, cpu_s = perf_counter() - started, process_time() - cpu
-    peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * 1024
     rays, segments = (sum(len(part) for part in parts) for parts in ([j.rays for j in jobs], [j.table for j in jobs]))
-    return Peak(len(jobs), rays, segments, peak, seconds, cpu_s)
+    return Peak(len(jobs), rays, segments, _peak_bytes(), seconds, cpu_s)
+
+
+def _peak_bytes() -> int:
+    """This process's own peak; Linux counts in ru_maxrss also what the process that started it held."""
+    try:
+        with open("/proc/self/status", encoding="ascii") as file:
+            return next(int(line.split()[1]) for line in file if line.startswith("VmHWM")) * 1024
+    except (OSError, StopIteration):
+        return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * 1024
 
 
 if __name__ == "__main__":
