@@ -55,7 +55,7 @@ class Interpreter:
 
     def _run(self, block: Block) -> None:
         for letter in "NOD":
-            word = block.take(letter)
+            word = None if letter in self.axes else block.take(letter)
             if word is not None:
                 block.whole(word)
         self._units_and_feed(block)

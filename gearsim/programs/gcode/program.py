@@ -15,6 +15,7 @@ from gearsim.programs.gcode.settings import ReadSettings
 from gearsim.programs.gcode.text import open_text
 
 _SETTINGS = ReadSettings()
+_AXIS_LETTERS = tuple("ABCDUVWXYZ")
 
 
 @dataclass(frozen=True)
@@ -47,7 +48,7 @@ def read_program(
     Raises ProgramError, an InputError, naming line, column and word of the first thing it cannot use.
     """
     for axis in machine.axes:
-        if len(axis) != 1:
+        if axis not in _AXIS_LETTERS:
             raise InputError(f"machine {machine.name} cannot run a program: axis {axis} has no letter")
     reader = Reader(open_text(source), machine, dialect_named(dialect), settings, progress)
     blocks, journal = reader.read()
