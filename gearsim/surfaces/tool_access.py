@@ -15,7 +15,7 @@ def reachable_roll(gear: CylindricalGear, side: Side, tool_radius: float, z: flo
     """Rolls [rad] between which an end mill generates a flank at height z and leaves the involute on both.
 
     The cylinder's axis lies along the contact line, its end at the contact point, its flutes reach the top face.
-    Empty where the first exceeds the second. Three limits:
+    Empty where the first exceeds the second. The other flank counts beyond its root, too. Three limits:
 
     - the other flank: the distances of a point of the axis from the two flanks add up to 2 R_b cos(beta_b) (eta_b
       + s inv), so with y = xi + s N / R_b and N = r / cos(beta_b) the tool touches both where
