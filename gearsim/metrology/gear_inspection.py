@@ -36,9 +36,9 @@ class InspectionRow:
 
 @dataclass(frozen=True)
 class FlankMap:
-    """Deviations [um, normal] of one flank on a grid: ``position`` (r,) roll lengths [mm], ``z`` (c,) [mm].
+    """Deviations [um, normal] of one flank on a grid, ``deviation_um`` (r, c), nan where not measured.
 
-    ``deviation_um`` has shape (r, c), nan where not measured.
+    ``position`` (r,): roll lengths [mm] from root to tip; ``z`` (c,) [mm].
     """
 
     side: Side

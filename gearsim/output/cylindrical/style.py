@@ -1,0 +1,66 @@
+"""What all gear charts share: colours, units that fit the size of a deviation, round scale bars."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import floor, log10
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+TRACE, MEAN, BAND, LIMIT, OUT = "#1b3a5c", "#d1495b", "#dcebdd", "#7a7f87", "#c1121f"
+SIDE_COLOURS = {"left": "#2e6f95", "right": "#8a5a44"}
+SYMBOLS = {
+    "f_p": r"$f_p$", "F_p": r"$F_p$",
+    "f_Halpha": r"$f_{H\alpha}$", "f_falpha": r"$f_{f\alpha}$", "F_alpha": r"$F_{\alpha}$",
+    "f_Hbeta": r"$f_{H\beta}$", "f_fbeta": r"$f_{f\beta}$", "F_beta": r"$F_{\beta}$",
+}  # fmt: skip
+_NOISE_UM = 1e-5
+
+
+@dataclass(frozen=True)
+class Unit:
+    """A unit and how many of it make a micrometre; ``decimals`` give the largest value three digits."""
+
+    name: str
+    per_um: float
+    decimals: int
+
+    def text(self, um: float, sign: bool = False) -> str:
+        """A value [um] as a number in this unit, with a true minus; a dash where there is none."""
+        if not np.isfinite(um):
+            return "–"
+        value = round(self.per_um * um, self.decimals) + 0.0
+        return f"{value:{'+' if sign else ''}.{self.decimals}f}".replace("-", "−")
+
+
+def unit_for(values_um: ArrayLike) -> Unit:
+    """Nanometres where all values are below 0.1 um, else micrometres."""
+    largest = max(float(np.nanmax(np.abs(values_um), initial=0.0)), _NOISE_UM)
+    name, per_um = ("nm", 1e3) if largest < 0.1 else ("µm", 1.0)
+    return Unit(name, per_um, int(np.clip(2 - floor(log10(largest * per_um)), 0, 3)))
+
+
+def round_below(value: float) -> float:
+    """The largest of 1, 2, 5 times a power of ten that is not above a value."""
+    power = 10.0 ** floor(log10(value) + 1e-9)
+    return max(k * power for k in (1.0, 2.0, 5.0) if k * power <= value * (1.0 + 1e-9))
+
+
+def round_text(unit: Unit, um: float) -> str:
+    """A round length as text with its unit, like 5 µm or 0.2 nm."""
+    return f"{unit.per_um * um:g} {unit.name}"
+
+
+def evenly(items: int, most: int) -> list[int]:
+    """Indices of at most ``most`` items, spread from the first to near the last."""
+    count = min(items, most)
+    return [k * items // count for k in range(count)]
+
+
+def plain(axis: Any) -> None:
+    """Take away the frame's top and right and make the rest thin."""
+    axis.spines[["top", "right"]].set_visible(False)
+    axis.spines[["left", "bottom"]].set_linewidth(0.7)
+    axis.tick_params(width=0.7, labelsize=8)
