@@ -52,7 +52,7 @@ class Result:
 
 @dataclass(frozen=True)
 class FlankMillingResult(Result):
-    """A flank-milled bevel tooth.
+    """A flank-milled bevel tooth; ``nc_text`` is its path as a program for a machine, where the scene has one.
 
     ``theory`` holds the planner's continuous motions (empty where the path came from a file),
     ``own_sources`` the CL motions that finish each flank.
@@ -61,6 +61,7 @@ class FlankMillingResult(Result):
     tooth: Tooth
     cutter: Profile
     cl_text: str
+    nc_text: str
     flanks: dict[Side, FlankResult]
     patches: dict[str, PatchResult]
     dexels: DexelResult

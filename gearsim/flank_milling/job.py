@@ -9,6 +9,7 @@ import numpy as np
 
 from gearsim.cutters.profile import Profile
 from gearsim.errors import InputError, read_input
+from gearsim.flank_milling.program import machine_program
 from gearsim.metrology.bevel import FlankMotion
 from gearsim.metrology.dexel_check import slot_box
 from gearsim.motion.segments import SegmentTable, compile_motion, join
@@ -24,13 +25,15 @@ class Job:
     """A scene made ready to run: geometry, program and motions, nothing cut yet.
 
     ``paths`` are the program's exact motions in order, ``path_names`` their names, ``path_tables`` the
-    tables compiled from them; ``theory`` holds the planner's continuous motions, by flank.
+    tables compiled from them; ``theory`` holds the planner's continuous motions, by flank. ``nc_text`` is the same
+    path for the scene's machine (empty: it has none); it is written, not simulated.
     """
 
     scene: FlankMillingScene
     tooth: Tooth
     cutter: Profile
     cl_text: str
+    nc_text: str
     path_names: tuple[str, ...]
     paths: tuple[MotionSource, ...]
     path_tables: tuple[SegmentTable, ...]
@@ -102,7 +105,8 @@ def plan(scene: FlankMillingScene, folder: Path) -> Job:
         for side, motion in theory_motions.items()
     }
     names = tuple(p.name for p in program.paths)
-    return Job(scene, tooth, cutter, text, names, tuple(sources), tuple(tables), planners, theory)
+    nc_text = machine_program(scene, scene.program, program, cutter) if scene.program else ""
+    return Job(scene, tooth, cutter, text, nc_text, names, tuple(sources), tuple(tables), planners, theory)
 
 
 def _planned_program(planners: dict[Side, FlankPass], cutter: Profile, scene: FlankMillingScene) -> str:

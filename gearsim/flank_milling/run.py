@@ -51,6 +51,7 @@ def measure(job: Job, machine_for: MachineFor, device: str) -> FlankMillingResul
         tooth=job.tooth,
         cutter=job.cutter,
         cl_text=job.cl_text,
+        nc_text=job.nc_text,
         flanks=flanks,
         patches=root,
         dexels=dexels,

@@ -35,6 +35,8 @@ def _write_flank_milling(result: FlankMillingResult, stage: Path) -> list[str]:
     write_exr(parts, result, stage / "deviation.exr")
     write_parquet([flank_columns(result, f) for f in result.flanks.values()], result, stage / "samples.parquet")
     (stage / "toolpath.cl").write_text(result.cl_text, encoding="utf-8")
+    if result.nc_text:
+        (stage / "program.nc").write_text(result.nc_text, encoding="ascii")
     charts.draw_deviation(result, stage / "deviation.png")
     charts.draw_profile(result, stage / "profile.png")
     missing = finish_drawing(drawing, stage, list(report.PICTURES))

@@ -36,10 +36,11 @@ class CLPath:
 
 @dataclass(frozen=True)
 class CLProgram:
-    """A CL program: its paths in order, and the cutter it declares (None: none)."""
+    """A CL program: its paths in order, the cutter it declares and its slowest feed [mm/min] (None: none)."""
 
     paths: tuple[CLPath, ...]
     cutter: Profile | None = None
+    feed: float | None = None
 
     def path(self, name: str) -> CLPath | None:
         """The first path of that name, or None."""
@@ -86,6 +87,7 @@ class _Reader:
         self.rapid = False
         self.label = "cut"
         self.cutter: Profile | None = None
+        self.feed: float | None = None
         self.at: tuple[NDArray, NDArray] | None = None
         self.moves: list[tuple[str, list[NDArray], list[NDArray]]] = []
 
@@ -101,6 +103,7 @@ class _Reader:
             feed = self._numbers(line, rest.split(",")[0], (1,), "FEDRAT/feed")
             if feed[0] <= 0.0:
                 raise self.fail(line, f"FEDRAT/{feed[0]:g}: a feed must be positive")
+            self.feed = min(feed[0], self.feed or feed[0])
         elif word == "UNITS":
             if rest.upper() != "MM":
                 raise self.fail(line, f"UNITS/{rest}: only UNITS/MM is supported; convert the file to millimetres")
@@ -168,7 +171,7 @@ class _Reader:
         if not any(label != RAPID for label, _, _ in self.moves):
             raise InputError(f"{self.name}: no cutting moves; a path needs at least two GOTO points")
         paths = (CLPath(label, np.array(tips), np.array(axes)) for label, tips, axes in self.moves)
-        return CLProgram(tuple(paths), self.cutter)
+        return CLProgram(tuple(paths), self.cutter, self.feed)
 
 
 def apt_parameters(cutter: Profile) -> tuple[float, ...]:

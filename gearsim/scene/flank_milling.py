@@ -11,6 +11,7 @@ from pydantic import Field, model_validator
 from gearsim.cutters.profile import Profile
 from gearsim.scene.bevel import BevelBlankTable, GeneratorTable
 from gearsim.scene.catalogue import AnyCutter
+from gearsim.scene.program import ProgramTable
 from gearsim.scene.tables import Angle, Count, Length, LengthOrZero, Scene, Table
 from gearsim.surfaces.face_milled import FaceMilledTooth
 from gearsim.surfaces.patch import SIDES, Side, Tooth
@@ -115,6 +116,7 @@ class FlankMillingScene(Scene):
     surface: RuledBevelTable | FaceMilledFlankTable = Field(discriminator="kind")
     cutter: AnyCutter
     toolpath: ToolpathTable = ToolpathTable()
+    program: ProgramTable | None = None
     metrology: MetrologyTable
     reference: ReferenceTable | None = None
 
@@ -131,4 +133,5 @@ class FlankMillingScene(Scene):
         return {side: self.surface.planner(side, cutter, self.toolpath.run_mm) for side in SIDES}
 
     def builders(self) -> tuple[Callable[[], object], ...]:
-        return (self.tooth, self.tool)
+        program = (self.program.controlled, self.program.options) if self.program else ()
+        return (self.tooth, self.tool, *program)

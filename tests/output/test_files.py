@@ -14,7 +14,7 @@ from gearsim.output.report import PICTURES
 
 FILES = {
     "report.json", "report.md", "report.html", "deviation.exr", "deviation.png", "profile.png", "tooth.vtp",
-    "samples.parquet", "toolpath.cl", "slot.png", "blanks.png", "toolpaths.png", "envelopes.png",
+    "samples.parquet", "toolpath.cl", "program.nc", "slot.png", "blanks.png", "toolpaths.png", "envelopes.png",
 }  # fmt: skip
 
 
@@ -120,6 +120,7 @@ def test_the_program_written_is_the_program_simulated(folder, result):
 
     text = (folder / "toolpath.cl").read_text()
     assert text == result.cl_text
+    assert (folder / "program.nc").read_text() == result.nc_text
     names = [p.name for p in parse_cl(text).paths]
     assert names == ["rapid", "convex", "rapid", "concave", "rapid"]
 
