@@ -1,0 +1,78 @@
+"""Radial slots: the spaces of an external gear cut open with a radial tool (Groover 2018, A.4.5)."""
+
+from __future__ import annotations
+
+from math import asin, pi
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gearsim.errors import InputError
+from gearsim.machines.chain import Machine
+from gearsim.programs.operation import Operation
+from gearsim.surfaces.cylindrical_gear import CylindricalGear
+from gearsim.toolpaths.cylindrical.axes import GearTable
+from gearsim.toolpaths.cylindrical.order import every_space
+from gearsim.toolpaths.cylindrical.settings import Slotting
+from gearsim.toolpaths.cylindrical.steps import parts
+from gearsim.toolpaths.cylindrical.track import Track, join, moved_out, polar, track
+
+SLOTTING = Slotting()
+_CLEAR_MM = 1.0  # between the tool's flutes and a face where it turns round
+
+
+def slot_spaces(gear: CylindricalGear, machine: Machine, settings: Slotting = SLOTTING) -> Operation:
+    """Slots with radial walls down to the root circle, from the tip inward and from the middle to the walls.
+
+    The last walls stand at eta_b - stock / R_b from the middle (at eta_b, as the thesis has them, they touch the
+    finished flank at the base circle). Down-milling, from the top face: the left wall downward, the right one
+    upward. Radii at which the tool is wider than the slot are left to the generating passes.
+
+    Raises InputError for internal gears, a tool wider than the slot at the tip or shorter than the tooth, and
+    unsuited machines.
+    """
+    if gear.is_internal:
+        raise InputError("radial slots need an external gear: an internal gear's tool cannot stand radially in it")
+    cutting = settings.cutting
+    cutting.check_depth("slots, tooth depth", gear.tip_radius - gear.root_radius)
+    wall = gear.space_half_angle - settings.stock / gear.base_radius
+    depth = gear.tip_radius - gear.root_radius
+    radii = np.linspace(gear.tip_radius, gear.root_radius, parts(depth, settings.radial_step) + 1)[1:]
+    open_ = radii[radii * np.sin(wall) > cutting.radius] if wall > 0.0 else radii[:0]
+    if not len(open_):
+        raise InputError(
+            f"slots: the tool of {cutting.tool.diameter:g} mm is wider than the slot, "
+            f"{2.0 * gear.tip_radius * np.sin(wall):.4g} mm between its walls at the tip circle"
+        )
+    step = settings.radial_immersion * cutting.tool.diameter
+    space = join(*(_cut(gear, radius, wall, step, cutting.radius) for radius in open_))
+    rim = gear.tip_radius + settings.clearance.rim
+    first, last = (track(space.heading[[i]], moved_out(space.tip[i], rim), rapid=True) for i in (0, -1))
+    table = GearTable(machine, 0.5 * pi)
+    return every_space(gear, table, join(first, space, last), "slots", cutting)
+
+
+def _cut(gear: CylindricalGear, radius: float, wall: float, step: float, tool_radius: float) -> Track:
+    """All passes with the tool's end at one radius [mm]."""
+    first = asin(tool_radius / radius)
+    walls = np.linspace(first, wall, parts((wall - first) * radius, step) + 1)
+    return join(*(_both_walls(gear, radius, angle, tool_radius) for angle in walls))
+
+
+def _both_walls(gear: CylindricalGear, radius: float, angle: float, tool_radius: float) -> Track:
+    """Down the left wall and up the right one, ``angle`` [rad] from the middle; the first station by rapid."""
+    top = 2.0 * tool_radius + _CLEAR_MM
+    down = np.array([top, -gear.facewidth - top])
+    left = _wall(gear, radius, -1, angle, down, tool_radius)
+    right = _wall(gear, radius, 1, angle, down[::-1], tool_radius)
+    return join(Track(left.heading, left.tip, np.array([True, False]), left.lever), right)
+
+
+def _wall(gear: CylindricalGear, radius: float, f: int, angle: float, z: NDArray, tool_radius: float) -> Track:
+    """The tool, parallel to the wall's radius, one tool radius off it along the helicoid's normal at its end."""
+    around = f * angle + gear.space_centre(0, z)
+    slope = np.arctan(gear.twist * radius)
+    normal = f * np.stack(
+        [np.sin(around) * np.cos(slope), -np.cos(around) * np.cos(slope), np.full(len(z), np.sin(slope))], axis=-1
+    )
+    return track(around - 0.5 * pi, polar(radius, around, z) + tool_radius * normal)
