@@ -10,7 +10,8 @@ from __future__ import annotations
 
 import re
 import unicodedata
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
+from textwrap import wrap
 
 import numpy as np
 
@@ -22,6 +23,7 @@ from gearsim.programs.post_words import Words, joined
 
 _UNWRITABLE = re.compile(r"[^A-Z0-9 .,:/+\-=_#*\[\]'<>]")
 _HOME_Z = "G91 G28 Z0"
+_COMMENT = 72  # characters in a line of comment
 _DEFAULT_OPTIONS = PostOptions()
 
 
@@ -59,7 +61,12 @@ def _head(header: Header, machine: Machine, tools: Sequence[Tool], options: Post
         ),
     ]
     title = f" {comment(header.title)}" if header.title else ""
-    return [f"O{header.number:04d}{title}", *map(comment, told)]
+    return [f"O{header.number:04d}{title}", *_comments(told)]
+
+
+def _comments(texts: Iterable[str]) -> list[str]:
+    """A comment for every text, long ones in several lines."""
+    return [comment(line) for text in texts for line in wrap(text, _COMMENT)]
 
 
 def _operation(operation: Operation, number: int, change: bool, options: PostOptions) -> list[str]:
@@ -69,7 +76,7 @@ def _operation(operation: Operation, number: int, change: bool, options: PostOpt
     clamps = _clamps(machine, options)
     return [
         f"N{number} {comment(operation.name)}",
-        *map(comment, operation.comments),
+        *_comments(operation.comments),
         _HOME_Z,
         *([f"T{tool.number} M06"] if change else []),
         f"G90 G94 G49 {options.work_offset}",

@@ -238,8 +238,11 @@ def test_comments_are_plain_and_do_not_nest():
 
 
 def test_all_text_is_ascii_in_short_lines():
-    text = program(block_table(table_table_bc(), np.array([[0.0, 0, 0, 0, 0], [1, 0, 0, 0, 0]])))
+    header = Header(1, "gear", (50 * "größe ", ""))
+    text = program(block_table(table_table_bc(), np.array([[0.0, 0, 0, 0, 0], [1, 0, 0, 0, 0]])), header=header)
     assert text.isascii()
+    assert text.count("GRO") == 50
+    assert max(map(len, text.splitlines())) < 80
     assert all(line.count("(") == line.count(")") <= 1 for line in text.splitlines())
 
 
