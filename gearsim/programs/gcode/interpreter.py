@@ -14,9 +14,11 @@ from gearsim.programs.gcode.arcs import OFFSET_LETTERS
 from gearsim.programs.gcode.block import Block
 from gearsim.programs.gcode.dialect import Dialect
 from gearsim.programs.gcode.errors import Line
+from gearsim.programs.gcode.expressions import Expressions
 from gearsim.programs.gcode.journal import Journal
-from gearsim.programs.gcode.lexer import Values, Word, lex
+from gearsim.programs.gcode.lexer import Word, lex
 from gearsim.programs.gcode.moves import CLOCKWISE, DWELL, FEED, NO_ARC, RAPID
+from gearsim.programs.gcode.parameters import Parameters
 from gearsim.programs.gcode.settings import ReadSettings
 from gearsim.programs.gcode.state import INCH, State
 
@@ -32,7 +34,7 @@ class Interpreter:
     def __init__(self, machine: Machine, dialect: Dialect, settings: ReadSettings, journal: Journal, emit: Emit):
         self.dialect, self.settings, self.journal, self.emit = dialect, settings, journal, emit
         self.state = State(machine, dialect, settings)
-        self.values: Values | None = None
+        self.values = Expressions(Parameters()) if dialect.parameters else None
         self.ended = False
         self.begun = False
         self.axes = machine.axes
@@ -44,9 +46,11 @@ class Interpreter:
         if line.text.strip() == "%":
             self.ended, self.begun = self.begun, True
             return
-        statement = lex(line, self.dialect, self.values)
-        if statement.deleted and self.settings.block_delete:
+        if self.settings.block_delete and line.text.lstrip().startswith("/"):
             return
+        statement = lex(line, self.dialect, self.values)
+        if self.values is not None:
+            self.values.commit()
         self.begun = self.begun or bool(statement.words)
         block = Block(line, statement.words, self.dialect, self.axes)
         self.journal.note(block, statement.comments, self.state)

@@ -15,6 +15,7 @@ _STRANGE = re.compile(r"[^\x20-\x7e\t]")
 _NUMBER_LIKE = re.compile(r"[+\-.0-9]*")
 _NUMBER = re.compile(r"[+-]?([0-9]+\.?[0-9]*|\.[0-9]+)")
 _MACRO = re.compile(r"WHILE|GOTO|IF|DO[0-9]|END[0-9]|POPEN|PCLOS|DPRNT|BPRNT|SETVN", re.IGNORECASE)
+_EXPRESSION = re.compile(r"[+-]?[ \t]*([#\[]|[A-Z]{2})", re.IGNORECASE)
 _MACROS_REFUSED = "macro language is not read in this dialect; expand the macro"
 
 
@@ -28,11 +29,10 @@ class Word(NamedTuple):
 
 
 class Statement(NamedTuple):
-    """A line's words in their order; ``deleted``: it starts with the block delete sign."""
+    """A line's words and comments in their order."""
 
     words: list[Word]
     comments: list[str]
-    deleted: bool
 
 
 class Values(Protocol):
@@ -46,6 +46,10 @@ class Values(Protocol):
         """Take the assignment ``#...=...`` at ``start``; where it ends."""
         ...
 
+    def commit(self) -> None:
+        """Make the assignments of a line that has been read."""
+        ...
+
 
 def lex(line: Line, dialect: Dialect, values: Values | None) -> Statement:
     """Take a line apart; ``values`` evaluates expressions where the dialect has them.
@@ -54,7 +58,7 @@ def lex(line: Line, dialect: Dialect, values: Values | None) -> Statement:
     """
     check_characters(line)
     text, pos = line.text, 0
-    found = Statement([], [], text.lstrip().startswith("/"))
+    found = Statement([], [])
     while pos < len(text):
         char = text[pos]
         if char in " \t":
@@ -129,10 +133,10 @@ def _word(line: Line, start: int, dialect: Dialect, values: Values | None, words
 
 def _value(line: Line, start: int, pos: int, values: Values | None) -> tuple[float, int]:
     text = line.text
-    if pos < len(text) and (text[pos] in "#[" or (values is not None and text[pos].isalpha())):
-        if values is None:
-            raise line.error(start, pos + 1, _MACROS_REFUSED)
+    if values is not None and _EXPRESSION.match(text, pos):
         return values.value(line, pos)
+    if text[pos : pos + 1] in ("#", "["):
+        raise line.error(start, pos + 1, _MACROS_REFUSED)
     end = number_end(text, pos)
     if end == pos:
         raise line.error(start, start + 1, f"a number is missing behind {text[start].upper()}")

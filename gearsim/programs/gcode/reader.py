@@ -10,6 +10,7 @@ from gearsim.machines.chain import Machine
 from gearsim.programs.blocks import Blocks
 from gearsim.programs.gcode.dialect import Dialect
 from gearsim.programs.gcode.errors import ProgramError
+from gearsim.programs.gcode.flow import Flow, has_flow
 from gearsim.programs.gcode.interpreter import Arc, Interpreter
 from gearsim.programs.gcode.journal import Journal
 from gearsim.programs.gcode.moves import RAPID
@@ -49,6 +50,13 @@ class Reader:
         return self.recorder.blocks(start), self.journal
 
     def _run(self) -> None:
+        expressions = self.interpreter.values
+        if expressions is not None and has_flow(self.text.data):
+            Flow(self.text.lines(), self.interpreter, expressions, self.interpreter.settings.block_limit).run()
+        else:
+            self._run_pieces()
+
+    def _run_pieces(self) -> None:
         number = 1
         for piece in self.text.pieces():
             scan = self.scanner.scan(piece)

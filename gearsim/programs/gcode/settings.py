@@ -45,7 +45,7 @@ class ReadSettings:
     block_delete: bool = False
     units: Literal["mm", "inch"] = "mm"
     arc_tolerance: float = 0.01
-    block_limit: int = 10_000_000
+    block_limit: int = 1_000_000
 
     def __post_init__(self) -> None:
         places = [*self.offsets.items(), ("home", self.home), ("start", self.start or {})]

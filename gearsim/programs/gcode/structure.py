@@ -1,0 +1,118 @@
+"""LinuxCNC's O words: finds them in a program's lines and matches those that belong together."""
+
+from __future__ import annotations
+
+import re
+from typing import NamedTuple
+
+from gearsim.programs.gcode.errors import Line
+
+KEYWORDS = ("SUB", "ENDSUB", "RETURN", "CALL", "IF", "ELSEIF", "ELSE", "ENDIF", "WHILE", "ENDWHILE", "DO", "REPEAT",
+            "ENDREPEAT", "BREAK", "CONTINUE")  # fmt: skip
+LOOPS = ("WHILE", "DO", "REPEAT")
+_O_WORD = re.compile(r"[ \t/]*(?:N[ \t]*[0-9]+[ \t]*)?O[ \t]*", re.IGNORECASE)
+_LABEL = re.compile(r"<([^<>]*)>|[0-9]+")
+_KEYWORD = re.compile(r"[A-Z]*", re.IGNORECASE)
+_CLOSED_BY = {"SUB": "ENDSUB", "IF": "ENDIF", "WHILE": "ENDWHILE", "DO": "WHILE", "REPEAT": "ENDREPEAT"}
+_OPENER = {end: begin for begin, end in _CLOSED_BY.items() if end != "WHILE"}
+
+
+class OWord(NamedTuple):
+    """An O word: its label, its keyword, and where in the line they begin and end."""
+
+    label: str
+    keyword: str
+    start: int
+    end: int
+
+
+class Group:
+    """O words of one label that belong together: the lines (from 0) of the first, those between, and the last."""
+
+    def __init__(self, first: int, word: OWord):
+        self.first, self.word, self.last = first, word, first
+        self.between: list[int] = []
+
+
+class Structure:
+    """The O words of a program by line, and for each the group it belongs to."""
+
+    def __init__(self, lines: list[Line]):
+        self.words = {i: word for i, line in enumerate(lines) if (word := o_word(line)) is not None}
+        self.groups: dict[int, Group] = {}
+        self.subs: dict[str, Group] = {}
+        self._open: list[Group] = []
+        for i, word in self.words.items():
+            self._place(lines[i], i, word)
+        if self._open:
+            group = self._open[-1]
+            reason = f"O{group.word.label} {_CLOSED_BY[group.word.keyword]} is missing"
+            raise lines[group.first].error(group.word.start, group.word.end, reason)
+
+    def _place(self, line: Line, i: int, word: OWord) -> None:
+        top = self._open[-1] if self._open else None
+        mine = top if top is not None and top.word.label == word.label else None
+        closes = mine is not None and _CLOSED_BY[mine.word.keyword] == word.keyword
+        if mine is not None and closes and not (word.keyword == "WHILE" and mine.word.keyword == "WHILE"):
+            mine.last = i
+            self.groups[i] = mine
+            self._open.pop()
+        elif word.keyword in _CLOSED_BY:
+            self._begin(line, i, word)
+        elif word.keyword in ("ELSEIF", "ELSE"):
+            self._branch(line, i, word, mine)
+        elif word.keyword in ("BREAK", "CONTINUE", "RETURN"):
+            self._leave(line, i, word)
+        elif word.keyword in _OPENER:
+            inside = f"; O{top.word.label} {top.word.keyword} is still open" if top else ""
+            reason = f"O{word.label} {_OPENER[word.keyword]} is not open here{inside}"
+            raise line.error(word.start, word.end, reason)
+
+    def _begin(self, line: Line, i: int, word: OWord) -> None:
+        group = Group(i, word)
+        if word.keyword == "SUB":
+            if self._open:
+                raise line.error(word.start, word.end, "a subroutine stands outside of everything else")
+            if word.label in self.subs:
+                raise line.error(word.start, word.end, f"subroutine O{word.label} is defined twice")
+            self.subs[word.label] = group
+        self.groups[i] = group
+        self._open.append(group)
+
+    def _branch(self, line: Line, i: int, word: OWord, mine: Group | None) -> None:
+        if mine is None or mine.word.keyword != "IF":
+            raise line.error(word.start, word.end, f"O{word.label} IF is not open here")
+        if mine.between and self.words[mine.between[-1]].keyword == "ELSE":
+            raise line.error(word.start, word.end, "ELSE is the last branch of an IF")
+        mine.between.append(i)
+        self.groups[i] = mine
+
+    def _leave(self, line: Line, i: int, word: OWord) -> None:
+        kinds = ("SUB",) if word.keyword == "RETURN" else LOOPS
+        for group in reversed(self._open):
+            if group.word.label == word.label and group.word.keyword in kinds:
+                self.groups[i] = group
+                return
+        what = "subroutine" if word.keyword == "RETURN" else "loop"
+        raise line.error(word.start, word.end, f"no {what} O{word.label} is open here")
+
+
+def o_word(line: Line) -> OWord | None:
+    """The O word a line begins with, or None. Raises ProgramError for one without label or keyword."""
+    begin = _O_WORD.match(line.text)
+    if begin is None:
+        return None
+    start = line.text.upper().index("O", 0, begin.end())
+    label = _LABEL.match(line.text, begin.end())
+    if label is None:
+        raise line.error(start, begin.end(), "an O word has a number or a <name>")
+    pos = label.end()
+    while line.text[pos : pos + 1] in (" ", "\t"):
+        pos += 1
+    found = _KEYWORD.match(line.text, pos)
+    keyword = found[0].upper() if found else ""
+    if keyword not in KEYWORDS:
+        reason = f"the O word has no keyword known here; there are {', '.join(KEYWORDS)}"
+        raise line.error(start, pos + len(keyword), reason)
+    name = label[0] if label[1] is None else "".join(label[1].split()).lower()
+    return OWord(name.lstrip("0") or "0" if label[1] is None else f"<{name}>", keyword, start, pos + len(keyword))
