@@ -35,7 +35,7 @@ class EvaluationRange:
     last: float
 
     def __post_init__(self) -> None:
-        a, b = self.share(self.first), self.share(self.last)
+        a, b = self.share([self.first, self.last]) if self.start != self.end else (np.nan, np.nan)
         if not -_SAME <= a < b <= 1.0 + _SAME:
             raise InputError(
                 f"the evaluated part {self.first:g} to {self.last:g} mm must lie within the active flank, "

@@ -6,8 +6,11 @@ import numpy as np
 import pytest
 
 from gearsim.errors import InputError
+from gearsim.metrology.gear_traces import evaluate, helix_range, profile_range, transverse_um
 from gearsim.metrology.iso1328 import PARAMETERS, achieved_class
 from gearsim.surfaces.cylindrical_gear import CylindricalGear
+from gearsim.surfaces.flank_modification import FlankModification
+from gearsim.surfaces.involute import InvoluteFlank
 from tests.metrology.gears import SLOPE, STEP, WAVE, gear_of, inspection
 
 
@@ -38,6 +41,28 @@ def test_a_trace_that_misses_samples_fails_its_parameters_and_is_counted():
         assert (rows[name].incomplete, rows[name].achieved, rows[name].within) == (2, None, False)
         assert np.isfinite(rows[name].value_um["left"])  # of the other traces
     assert rows["F_beta"].within
+
+
+@pytest.mark.parametrize("teeth", [15, -30])
+@pytest.mark.parametrize("side", ["left", "right"])
+def test_designed_slopes_of_a_flank_are_measured_on_its_points(teeth, side):
+    """Points of a modified flank against the plain one: 8 um to the tip, -5 um to the bottom face, along the normal."""
+    gear = gear_of(teeth)
+    modified = InvoluteFlank(gear, side, 0, FlankModification(profile_slope=0.008, helix_slope=-0.005))
+    plain = InvoluteFlank(gear, side, 0)
+    profile = profile_range(gear.base_radius * gear.root_roll, gear.base_radius * gear.tip_roll)
+    helix = helix_range(10.0, 5.0)
+    roll = np.linspace(gear.root_roll, gear.tip_roll, 101)
+    z = np.linspace(0.0, -10.0, 101)
+    for u, v, position, span, expected in (
+        (roll, np.zeros(101), gear.base_radius * roll, profile, 8.0),
+        (np.full(101, 0.3), z, z, helix, -5.0),
+    ):
+        at, moved = plain.jet(u, v), modified.jet(u, v)
+        normal = np.sum((moved.r - at.r) * at.normal, axis=1)
+        found = evaluate(position, transverse_um(normal, gear.base_helix_angle), span)
+        assert found.slope_um == pytest.approx(expected / np.cos(gear.base_helix_angle), rel=1e-6)
+        assert found.form_um == pytest.approx(0.0, abs=1e-6)
 
 
 def test_a_gear_beyond_the_scope_has_no_table():

@@ -32,6 +32,8 @@ def test_ranges():
     assert (thesis.first, thesis.last) == pytest.approx((-1.0, -9.0))
     with pytest.raises(InputError, match="must lie within the active flank"):
         EvaluationRange(0.0, -10.0, 0.5, -9.5)
+    with pytest.raises(InputError, match="within the active flank, 5 to 5 mm"):
+        profile_range(5.0, 5.0)
     with pytest.raises(InputError, match="run the same way"):
         EvaluationRange(0.0, -10.0, -9.5, -0.5)
 

@@ -16,7 +16,7 @@ SYMBOLS = {
     "f_Halpha": r"$f_{H\alpha}$", "f_falpha": r"$f_{f\alpha}$", "F_alpha": r"$F_{\alpha}$",
     "f_Hbeta": r"$f_{H\beta}$", "f_fbeta": r"$f_{f\beta}$", "F_beta": r"$F_{\beta}$",
 }  # fmt: skip
-_NOISE_UM = 1e-5
+NOISE_UM = 1e-4
 
 
 @dataclass(frozen=True)
@@ -37,7 +37,7 @@ class Unit:
 
 def unit_for(values_um: ArrayLike) -> Unit:
     """Nanometres where all values are below 0.1 um, else micrometres."""
-    largest = max(float(np.nanmax(np.abs(values_um), initial=0.0)), _NOISE_UM)
+    largest = max(float(np.nanmax(np.abs(values_um), initial=0.0)), NOISE_UM)
     name, per_um = ("nm", 1e3) if largest < 0.1 else ("µm", 1.0)
     return Unit(name, per_um, int(np.clip(2 - floor(log10(largest * per_um)), 0, 3)))
 

@@ -13,7 +13,17 @@ from scipy.ndimage import gaussian_filter1d
 
 from gearsim.metrology.gear_inspection import FlankMap
 from gearsim.output.charts import pyplot
-from gearsim.output.cylindrical.style import OUT, SIDE_COLOURS, TRACE, Unit, plain, round_below, round_text, unit_for
+from gearsim.output.cylindrical.style import (
+    NOISE_UM,
+    OUT,
+    SIDE_COLOURS,
+    TRACE,
+    Unit,
+    plain,
+    round_below,
+    round_text,
+    unit_for,
+)
 from gearsim.surfaces.cylindrical_gear import SIDES, CylindricalGear, Side
 
 _ROWS, _COLUMNS = 7, 11
@@ -24,8 +34,7 @@ def draw_topography(maps: Mapping[Side, FlankMap], gear: CylindricalGear, title:
     plt = pyplot()
     figure, axes = plt.subplots(2, 2, figsize=(13, 9.6), constrained_layout=True)
     unit = unit_for(np.concatenate([maps[s].deviation_um.ravel() for s in SIDES]))
-    largest = max(float(np.nanmax(np.abs(maps[s].deviation_um), initial=0.0)) for s in SIDES)
-    largest = max(largest, 1e-5)
+    largest = max(float(np.nanmax(np.abs(maps[s].deviation_um), initial=NOISE_UM)) for s in SIDES)
     image = None
     for (above, below), side in zip(axes.T, SIDES, strict=True):
         whiskers(above, maps[side], gear, unit, largest)

@@ -21,6 +21,7 @@ from gearsim.output.cylindrical.style import (
     BAND,
     LIMIT,
     MEAN,
+    NOISE_UM,
     OUT,
     SYMBOLS,
     TRACE,
@@ -78,7 +79,7 @@ def draw_trace_panels(
 
 def _scale(traces: Any, tolerances_um: Mapping[str, float]) -> TraceScale:
     """One scale for all drawn traces; the band is drawn unless it would make the traces flat."""
-    size, values, means, band = 1e-6, [], [], 0.0
+    size, values, means, band = NOISE_UM, [], [], 0.0
     for t in traces:
         found = t.evaluated()
         shown = evenly(len(t.teeth), TEETH)
