@@ -7,7 +7,7 @@ roll must hold from the tool's end up to the top face.
 
 from __future__ import annotations
 
-from math import cos, sqrt, tan
+from math import cos, sin, sqrt, tan
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -44,7 +44,8 @@ def pass_range(gear: CylindricalGear, side: Side, z: float, tool_radius: float, 
         beyond = _roll(gear, gear.tip_radius - TIP_CLEARANCE_MM) - abs(lean)
         return max(beyond, concave), min(high, -floor + min(lean, 0.0))
     reach = gear.tip_radius + edge + TIP_CLEARANCE_MM
-    return max(low, floor + max(lean, 0.0)), _centre_roll(gear, reach, offset) + max(lean, 0.0)
+    below = abs(gear.twist * (tool_radius + stock) * sin(gear.base_helix_angle))  # the tool's middle, on down flanks
+    return max(low, floor + max(lean, 0.0)), _centre_roll(gear, reach, offset) + max(lean, below)
 
 
 def reached_range(
