@@ -2,6 +2,7 @@
 
 from gearsim.scene.flank_milling import FlankMillingScene
 from gearsim.scene.generated import EnvelopeScene, FaceMillingScene, GeneratedScene, HypoidScene
+from gearsim.scene.generation_milling import GenerationMillingScene
 from gearsim.scene.loading import check_scene, load_scene, scene_names, scene_table, scene_text
 from gearsim.scene.tables import Scene
 
@@ -10,6 +11,7 @@ __all__ = [
     "FaceMillingScene",
     "FlankMillingScene",
     "GeneratedScene",
+    "GenerationMillingScene",
     "HypoidScene",
     "Scene",
     "check_scene",

@@ -15,6 +15,7 @@ from pydantic import ValidationError
 from gearsim.errors import InputError, read_input
 from gearsim.scene.flank_milling import FlankMillingScene
 from gearsim.scene.generated import EnvelopeScene, FaceMillingScene, HypoidScene
+from gearsim.scene.generation_milling import GenerationMillingScene
 from gearsim.scene.tables import Scene, Table
 
 SCENES: dict[str, type[Scene]] = {
@@ -23,6 +24,7 @@ SCENES: dict[str, type[Scene]] = {
     "envelope": EnvelopeScene,
     "face-milled": FaceMillingScene,
     "hypoid-pinion": HypoidScene,
+    "cylindrical-gear": GenerationMillingScene,
 }
 
 

@@ -10,22 +10,15 @@ from gearsim.scene.catalogue import AnyMachine
 from gearsim.scene.tables import Length, Table
 
 
-class ProgramTable(Table):
-    """Table [program]: machine, spindle speed and cutter's flutes, and how numbers and feeds are written."""
+class PostTable(Table):
+    """How a program is written: its number, tool-centre-point control, decimals and feeds."""
 
-    machine: AnyMachine
-    spindle_rpm: Length
-    flutes: int = Field(ge=1, le=100)
     number: int = Field(default=1, ge=1, le=9999)
     tip_control: bool = True
     feed_mode: FeedMode = "inverse-time"
     linear_decimals: int = 4
     rotary_decimals: int = 4
     work_offset: str = "G54"
-
-    def controlled(self) -> Machine:
-        machine: Machine = self.machine.build()
-        return machine
 
     def options(self) -> PostOptions:
         """Raises InputError for values that no control takes."""
@@ -35,3 +28,15 @@ class ProgramTable(Table):
             feed_mode=self.feed_mode,
             work_offset=self.work_offset,
         )
+
+
+class ProgramTable(PostTable):
+    """Table [program]: the machine, its spindle speed and the cutter's flutes, beside how it is written."""
+
+    machine: AnyMachine
+    spindle_rpm: Length
+    flutes: int = Field(ge=1, le=100)
+
+    def controlled(self) -> Machine:
+        machine: Machine = self.machine.build()
+        return machine

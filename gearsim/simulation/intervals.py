@@ -52,6 +52,24 @@ def from_lists(count: NDArray, lo: NDArray, hi: NDArray, lo_segment: NDArray, hi
     return IntervalSet(first, lo[used], hi[used], lo_segment[used], hi_segment[used])
 
 
+def unite(sets: Sequence[IntervalSet]) -> IntervalSet:
+    """The union of what several motions remove from the same rays."""
+    if len(sets) == 1:
+        return sets[0]
+    ray = np.concatenate([s.ray for s in sets])
+    lo, hi, lo_made, hi_made = (
+        np.concatenate([getattr(s, k) for s in sets]) for k in ("lo", "hi", "lo_segment", "hi_segment")
+    )
+    rays, at, made = np.concatenate([ray, ray]), np.concatenate([lo, hi]), np.concatenate([lo_made, hi_made])
+    opens = np.repeat([1, -1], len(ray))
+    order = np.lexsort((-opens, at, rays))  # where one ends and another begins they are one
+    rays, at, made, depth = rays[order], at[order], made[order], np.cumsum(opens[order])
+    ends = np.flatnonzero(depth == 0)
+    starts = np.concatenate([[0], ends[:-1] + 1]).astype(int)[: len(ends)]
+    count = np.bincount(rays[ends], minlength=len(sets[0].first) - 1)
+    return IntervalSet(np.concatenate([[0], np.cumsum(count)]), at[starts], at[ends], made[starts], made[ends])
+
+
 def subtract(ray: NDArray, start: NDArray, end: NDArray, removed: IntervalSet) -> IntervalSet:
     """What is left of stock intervals (``ray`` rising, as Turned.chords returns them) after removal.
 

@@ -1,0 +1,83 @@
+"""A program run on a machine, as motions of its tools: what they remove from rays, whichever tool it was."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gearsim.cutters.profile import Profile
+from gearsim.generation_milling.disturbance import Disturbance
+from gearsim.geometry.rays import RayBundle
+from gearsim.metrology.machine import MachineFor
+from gearsim.motion.program import ProgramMotion
+from gearsim.motion.segments import SegmentTable, compile_motion
+from gearsim.programs.blocks import Blocks
+from gearsim.programs.operation import Tool
+from gearsim.simulation.intervals import IntervalSet, unite
+
+_FAR_MM = 1e-3
+
+
+@dataclass(frozen=True)
+class ToolMotion:
+    """What one tool does: the exact motion, the table compiled from it, whose rows count from ``first_row``."""
+
+    cutter: Profile
+    source: ProgramMotion
+    table: SegmentTable
+    first_row: int
+
+    @property
+    def blocks(self) -> NDArray[np.integer]:
+        """The block of every row of the table."""
+        return self.source.rows[self.table.piece]
+
+
+@dataclass(frozen=True)
+class ProgramCut:
+    """All tools of a program; segments are numbered through, tool after tool."""
+
+    motions: tuple[ToolMotion, ...]
+    machine_for: MachineFor
+
+    def removed(self, rays: RayBundle) -> IntervalSet:
+        """What the program removes from rays. Raises NumericalError where a status forbids trust."""
+        parts = []
+        for motion in self.motions:
+            machine = self.machine_for(motion.cutter)
+            part = machine.removed(rays, motion.table)
+            parts.append(_numbered(part, motion.first_row))
+        return unite(parts)
+
+    @property
+    def blocks(self) -> NDArray[np.integer]:
+        """The block of every segment."""
+        return np.concatenate([m.blocks for m in self.motions])
+
+
+def run_program(
+    blocks: Blocks, tools: Mapping[int, Tool], real: Disturbance, machine_for: MachineFor, tolerance: float,
+    chosen: NDArray[np.bool_] | None = None,
+) -> ProgramCut:  # fmt: skip
+    """The motions of a program's (``chosen``) blocks as a disturbed machine runs them, relative to the gear."""
+    run = replace(blocks, machine=real.machine(blocks.machine))
+    every = np.ones(len(blocks), dtype=bool) if chosen is None else chosen
+    motions: list[ToolMotion] = []
+    row = 0
+    for number in sorted(set(blocks.tool[every].tolist()) & set(tools)):
+        cutter = real.cutter(tools[number])
+        source = ProgramMotion(run, every & (blocks.tool == number))
+        table = real.seen_from_gear(compile_motion(source, cutter.reach, tolerance))
+        motions.append(ToolMotion(cutter, source, table, row))
+        row += len(table)
+    return ProgramCut(tuple(motions), machine_for)
+
+
+def _numbered(part: IntervalSet, first: int) -> IntervalSet:
+    def shifted(segment: NDArray) -> NDArray:
+        return np.where(segment >= 0, segment + first, segment)
+
+    return replace(part, lo_segment=shifted(part.lo_segment), hi_segment=shifted(part.hi_segment))

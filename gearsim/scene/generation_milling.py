@@ -1,0 +1,200 @@
+"""Scenes of cylindrical gears milled by generation on a five-axis machine: plan, program, cut, inspect."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from math import radians
+from typing import Annotated, Literal
+
+from pydantic import Field, model_validator
+
+from gearsim.machines.chain import Machine
+from gearsim.scene.bevel import Number
+from gearsim.scene.catalogue import AnyMachine
+from gearsim.scene.generation_paths import EndMillTable, GearPathTable
+from gearsim.scene.program import PostTable
+from gearsim.scene.tables import Count, Length, LengthOrZero, Scene, Table
+from gearsim.surfaces.cylindrical_gear import CylindricalGear
+from gearsim.surfaces.flank_modification import FlankModification, Relief
+from gearsim.toolpaths.cylindrical.settings import Settings
+
+Degrees = Annotated[float, Field(gt=-90.0, lt=90.0, allow_inf_nan=False)]
+Micrometres = Annotated[float, Field(ge=-1e4, le=1e4, allow_inf_nan=False)]
+Step = Annotated[float, Field(gt=0.0, le=100.0, allow_inf_nan=False)]
+
+
+class ReliefTable(Table):
+    """A relief: material taken off from a roll angle to the end of the flank."""
+
+    amount_um: Micrometres
+    start_deg: float = Field(gt=0.0, lt=180.0, allow_inf_nan=False)
+    shape: Literal["linear", "parabolic"] = "linear"
+
+    def build(self) -> Relief:
+        return Relief(1e-3 * self.amount_um, radians(self.start_deg), 1 if self.shape == "linear" else 2)
+
+
+class ModificationTable(Table):
+    """Table [surface.modification]: designed deviations along the flank's normal, positive adds material."""
+
+    tip_relief: ReliefTable | None = None
+    root_relief: ReliefTable | None = None
+    profile_slope_um: Micrometres = 0.0
+    profile_crowning_um: Micrometres = 0.0
+    helix_slope_um: Micrometres = 0.0
+    helix_crowning_um: Micrometres = 0.0
+
+    def build(self) -> FlankModification:
+        tip, root = (None if r is None else r.build() for r in (self.tip_relief, self.root_relief))
+        return FlankModification(
+            tip, root,
+            1e-3 * self.profile_slope_um, 1e-3 * self.profile_crowning_um,
+            1e-3 * self.helix_slope_um, 1e-3 * self.helix_crowning_um,
+        )  # fmt: skip
+
+
+class CylindricalGearTable(Table):
+    """Table [surface] of kind ``cylindrical-gear``; module and pressure angle both normal or both transverse."""
+
+    kind: Literal["cylindrical-gear"]
+    teeth: int = Field(ge=-1000, le=1000)
+    module_mm: Length | None = None
+    pressure_angle_deg: Degrees | None = None
+    transverse_module_mm: Length | None = None
+    transverse_pressure_angle_deg: Degrees | None = None
+    helix_angle_deg: Degrees = 0.0
+    face_width_mm: Length
+    profile_shift: Number = 0.0
+    addendum: Number = 1.0
+    dedendum: Number = 1.25
+    tip_alteration: Number = 0.0
+    rim_mm: Length
+    modification: ModificationTable | None = None
+
+    @model_validator(mode="after")
+    def _one_section(self) -> CylindricalGearTable:
+        normal = (self.module_mm, self.pressure_angle_deg)
+        transverse = (self.transverse_module_mm, self.transverse_pressure_angle_deg)
+        if [None not in pair for pair in (normal, transverse)].count(True) != 1 or (
+            [pair == (None, None) for pair in (normal, transverse)].count(True) != 1
+        ):
+            raise ValueError(
+                "give module_mm with pressure_angle_deg (normal section), or transverse_module_mm with "
+                "transverse_pressure_angle_deg; not both, not a mixture"
+            )
+        return self
+
+    def gear(self) -> CylindricalGear:
+        """The gear. Raises InputError where it is impossible."""
+        rest = {
+            "profile_shift": self.profile_shift,
+            "addendum": self.addendum,
+            "dedendum": self.dedendum,
+            "tip_alteration": self.tip_alteration,
+        }
+        beta, b = radians(self.helix_angle_deg), self.face_width_mm
+        if self.module_mm is not None and self.pressure_angle_deg is not None:
+            return CylindricalGear(self.teeth, self.module_mm, radians(self.pressure_angle_deg), beta, b, **rest)
+        assert self.transverse_module_mm is not None
+        assert self.transverse_pressure_angle_deg is not None
+        angle = radians(self.transverse_pressure_angle_deg)
+        return CylindricalGear.from_transverse(self.teeth, self.transverse_module_mm, angle, beta, b, **rest)
+
+    def design(self) -> FlankModification | None:
+        return None if self.modification is None else self.modification.build()
+
+
+class GearProgramTable(PostTable):
+    """Table [program]: how the G-code is written, or a ``file`` of the user's own that is cut instead."""
+
+    tip_control: bool = False
+    file: str = ""
+    dialect: Literal["fanuc", "linuxcnc"] = "fanuc"
+
+
+class ErrorsTable(Table):
+    """Table [errors]: how the machine that cuts differs from the planned one."""
+
+    tool_radius_um: Micrometres = 0.0
+    tool_runout_um: Micrometres = 0.0
+    pivot_um: tuple[Micrometres, Micrometres, Micrometres] = (0.0, 0.0, 0.0)
+    eccentricity_um: Micrometres = 0.0
+
+
+class BudgetTable(Table):
+    """Table [budget]: sizes of the causes that are cut one at a time, to see what each costs."""
+
+    decimals: tuple[int, ...] = (3, 4, 5, 6)
+    involute_steps_mm: tuple[Step, ...] = (1.0, 0.5, 0.25)
+    axial_steps_mm: tuple[Step, ...] = (1.0, 0.5, 0.25)
+    tool_radius_um: Micrometres = 1.0
+    tool_runout_um: Micrometres = 1.0
+    pivot_um: Micrometres = 10.0
+    eccentricity_um: Micrometres = 10.0
+
+
+class GearMetrologyTable(Table):
+    """Table [metrology]: the class of ISO 1328-1 asked for, and where the flanks are probed.
+
+    ``tolerance_um`` is for the dense map of space 0; ``points`` of a trace; ``spaces`` how many spaces are probed
+    (0: all of them).
+    """
+
+    iso_class: int = Field(default=5, ge=1, le=11)
+    tolerance_um: Length = 1.0
+    points: Count = 201
+    spaces: int = Field(default=0, ge=0, le=1000)
+    rows: Count = 25
+    columns: Count = 41
+    margin: float = Field(default=0.01, gt=0.0, lt=0.5)
+    section_pitch_mm: Length = 0.05
+
+
+class MeasuredTable(Table):
+    """One printed table of measured deviations [um] beside which ours are set; stations as the source names them."""
+
+    name: str
+    kind: Literal["profile", "helix"]
+    side: Literal["left", "right"]
+    stations: tuple[str, ...]
+    slope_um: tuple[float, ...]
+    form_um: tuple[float, ...]
+    total_um: tuple[float, ...]
+
+
+class MeasuredTables(Table):
+    """Table [reference]: where printed figures come from."""
+
+    source: str
+    note: str = ""
+    hours: tuple[LengthOrZero, LengthOrZero] | None = None
+    roughness_um: dict[str, tuple[float, float, float]] = Field(default_factory=dict)
+    tables: tuple[MeasuredTable, ...] = ()
+
+
+class GenerationMillingScene(Scene):
+    """A cylindrical gear, planned, posted, read back, cut and inspected."""
+
+    surface: CylindricalGearTable
+    machine: AnyMachine
+    tools: tuple[EndMillTable, ...] = Field(min_length=1)
+    toolpath: GearPathTable
+    program: GearProgramTable = GearProgramTable()
+    errors: ErrorsTable = ErrorsTable()
+    budget: BudgetTable | None = None
+    metrology: GearMetrologyTable = GearMetrologyTable()
+    reference: MeasuredTables | None = None
+
+    def gear(self) -> CylindricalGear:
+        return self.surface.gear()
+
+    def controller(self) -> Machine:
+        machine: Machine = self.machine.build()
+        return machine
+
+    def builders(self) -> tuple[Callable[[], object], ...]:
+        return (self.gear, self.surface.design, self.controller, self.program.options, self.paths)
+
+    def paths(self) -> tuple[Settings, ...]:
+        """What each operation is told, finishing last. Raises InputError for a tool that is not in the table."""
+        return self.toolpath.settings(self.tools, self.surface.design())

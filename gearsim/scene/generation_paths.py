@@ -1,0 +1,195 @@
+"""Tables [[tools]] and [toolpath] of a cylindrical gear: tools, and what is done with which of them."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from math import radians
+from typing import Any
+
+from pydantic import Field, model_validator
+
+from gearsim.errors import InputError
+from gearsim.programs.operation import Tool
+from gearsim.scene.tables import Length, LengthOrZero, Table
+from gearsim.surfaces.flank_modification import FlankModification
+from gearsim.toolpaths.cylindrical.settings import (
+    Bore,
+    Clearance,
+    Cutting,
+    Facing,
+    Finishing,
+    OutsideDiameter,
+    ReferenceRing,
+    Roughing,
+    Settings,
+    Slotting,
+)
+
+
+class EndMillTable(Table):
+    """An entry of the tool table: a cylindrical end mill, by its T number."""
+
+    number: int = Field(default=1, ge=1, le=99_999_999)
+    name: str = "end mill"
+    diameter_mm: Length
+    flute_length_mm: Length
+    flutes: int = Field(ge=1, le=20)
+
+    def build(self) -> Tool:
+        return Tool(self.number, self.name, self.diameter_mm, self.flute_length_mm, self.flutes)
+
+
+class ClearanceTable(Table):
+    """Table [toolpath.clearance]: how far rapids keep off the tip cylinder and the top face."""
+
+    rim_mm: Length = 5.0
+    top_mm: Length = 5.0
+
+
+class CuttingTable(Table):
+    """What tables of operations share: the tool and its conditions."""
+
+    tool: int = Field(default=1, ge=1)
+    spindle_rpm: Length = 12000.0
+    feed_per_tooth_mm: Length = 0.0508
+    radial_immersion: float = Field(default=0.25, gt=0.0, le=1.0)
+
+    def cutting(self, tools: dict[int, Tool]) -> Cutting:
+        """The tool and its conditions. Raises InputError for a tool that is not in the table."""
+        if self.tool not in tools:
+            raise InputError(f"toolpath: no tool {self.tool}; tools has {', '.join(map(str, sorted(tools)))}")
+        return Cutting(tools[self.tool], self.spindle_rpm, self.feed_per_tooth_mm)
+
+    def build(self, cutting: Cutting, clearance: Clearance) -> Settings:
+        """What the operation is told."""
+        raise NotImplementedError
+
+
+class TeethTable(CuttingTable):
+    """Passes along the flanks; a step along the involute in mm of its arc or in degrees of roll."""
+
+    axial_step_mm: Length = 1.0
+    involute_step_mm: Length | None = None
+    involute_step_deg: float | None = Field(default=None, gt=0.0, lt=90.0)
+
+    @model_validator(mode="after")
+    def _one_step(self) -> TeethTable:
+        if self.involute_step_mm is not None and self.involute_step_deg is not None:
+            raise ValueError("give involute_step_mm (of arc) or involute_step_deg (of roll), not both")
+        return self
+
+    def steps(self) -> dict[str, Any]:
+        if self.involute_step_deg is not None:
+            return {"axial_step": self.axial_step_mm, "involute_step": radians(self.involute_step_deg),
+                    "spacing": "roll"}  # fmt: skip
+        return {"axial_step": self.axial_step_mm, "involute_step": self.involute_step_mm or 1.0, "spacing": "arc"}
+
+
+class RoughingTable(TeethTable):
+    """Table [toolpath.roughing]: layers of stock, down to ``stock_mm`` on the flanks."""
+
+    stock_mm: LengthOrZero = 0.1
+
+    def build(self, cutting: Cutting, clearance: Clearance) -> Roughing:
+        return Roughing(
+            cutting, **self.steps(), radial_immersion=self.radial_immersion, stock=self.stock_mm, clearance=clearance
+        )
+
+
+class FinishingTable(TeethTable):
+    """Table [toolpath.finishing]: one layer, the flank itself."""
+
+    axial_step_mm: Length = 0.5
+    feed_per_tooth_mm: Length = 0.0254
+
+    def build(self, cutting: Cutting, clearance: Clearance) -> Finishing:
+        return Finishing(cutting, **self.steps(), clearance=clearance)
+
+
+class SlotsTable(CuttingTable):
+    """Table [toolpath.slots]: radial slots in the spaces of an external gear."""
+
+    radial_step_mm: Length = 1.0
+    stock_mm: Length = 0.1
+
+    def build(self, cutting: Cutting, clearance: Clearance) -> Slotting:
+        return Slotting(cutting, self.radial_step_mm, self.radial_immersion, self.stock_mm, clearance)
+
+
+class LevelsTable(CuttingTable):
+    """What operations on the blank share: levels ``axial_step_mm`` apart."""
+
+    axial_step_mm: Length = 1.0
+
+
+class FacingTable(LevelsTable):
+    """Table [toolpath.facing]: the top face."""
+
+    radius_mm: Length
+    allowance_mm: Length = 1.0
+
+    def build(self, cutting: Cutting, clearance: Clearance) -> Facing:
+        step, immersion = self.axial_step_mm, self.radial_immersion
+        return Facing(self.radius_mm, self.allowance_mm, cutting, step, immersion, clearance)
+
+
+class BoreTable(LevelsTable):
+    """Table [toolpath.bore]: the centre bore, or an internal gear hogged out to its tip circle."""
+
+    radius_mm: Length
+    depth_mm: Length
+
+    def build(self, cutting: Cutting, clearance: Clearance) -> Bore:
+        step, immersion = self.axial_step_mm, self.radial_immersion
+        return Bore(self.radius_mm, self.depth_mm, cutting, step, immersion, clearance)
+
+
+class OutsideTable(LevelsTable):
+    """Table [toolpath.outside]: the outside diameter."""
+
+    blank_radius_mm: Length
+    radius_mm: Length
+    depth_mm: Length
+
+    def build(self, cutting: Cutting, clearance: Clearance) -> OutsideDiameter:
+        step, immersion = self.axial_step_mm, self.radial_immersion
+        return OutsideDiameter(
+            self.blank_radius_mm, self.radius_mm, self.depth_mm, cutting, step, immersion, clearance
+        )  # fmt: skip
+
+
+class RingTable(LevelsTable):
+    """Table [toolpath.ring]: a reference ring in the top face."""
+
+    inner_mm: Length
+    outer_mm: Length
+    depth_mm: Length
+
+    def build(self, cutting: Cutting, clearance: Clearance) -> ReferenceRing:
+        step, immersion = self.axial_step_mm, self.radial_immersion
+        return ReferenceRing(self.inner_mm, self.outer_mm, self.depth_mm, cutting, step, immersion, clearance)
+
+
+class GearPathTable(Table):
+    """Table [toolpath]: the operations done, in the order in which they stand here."""
+
+    clearance: ClearanceTable = ClearanceTable()
+    facing: FacingTable | None = None
+    outside: OutsideTable | None = None
+    bore: BoreTable | None = None
+    ring: RingTable | None = None
+    slots: SlotsTable | None = None
+    roughing: RoughingTable | None = None
+    finishing: FinishingTable = FinishingTable()
+
+    def settings(self, tools: Sequence[EndMillTable], design: FlankModification | None) -> tuple[Settings, ...]:
+        """What each operation is told, finishing last. Raises InputError for unknown or doubled tools."""
+        table = {t.number: t.build() for t in tools}
+        if len(table) < len(tools):
+            raise InputError("tools: two tools share a number")
+        clear = Clearance(self.clearance.rim_mm, self.clearance.top_mm)
+        before = (self.facing, self.outside, self.bore, self.ring, self.slots, self.roughing)
+        made = tuple(op.build(op.cutting(table), clear) for op in before if op is not None)
+        finishing = self.finishing.build(self.finishing.cutting(table), clear)
+        return (*made, replace(finishing, modification=design))
