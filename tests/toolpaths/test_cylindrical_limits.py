@@ -7,11 +7,12 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from gearsim.errors import InputError
+from gearsim.programs.operation import Tool
 from gearsim.surfaces.cylindrical_gear import SIDES, CylindricalGear
 from gearsim.surfaces.involute import InvoluteFlank
 from gearsim.toolpaths.cylindrical.generation import finish_teeth, rough_teeth
 from gearsim.toolpaths.cylindrical.limits import check_tool, pass_range, reached_range, stock_layers
-from gearsim.toolpaths.cylindrical.settings import Finishing, Roughing
+from gearsim.toolpaths.cylindrical.settings import Cutting, Finishing, Roughing
 from gearsim.toolpaths.cylindrical.steps import descent, roll_points
 from tests.toolpaths.cylindrical_gears import MACHINE, RADIUS, distances, first_space, poses, thesis
 
@@ -73,9 +74,24 @@ def test_no_tool_cuts_a_flank_or_the_root_of_unusual_gears(teeth, helix_deg):
             u, v = np.meshgrid(np.linspace(max(low, 0.03), high, 7), [-0.2, -6.1, -11.9])
             gap, along = distances(flank.jet(u.ravel(), v.ravel()).r, tip, axis)
             assert gap[along >= 0.0].min() > RADIUS + stock - 2e-6
-        if gear.root_radius > gear.base_radius:
-            deepest = gear.sign * np.hypot(tip[:, 0], tip[:, 1])[tip[:, 2] < 0.0].min() - RADIUS
-            assert teeth < 0 or deepest > gear.root_radius - 0.005
+        for part in (0.0, 0.5, 1.0):  # of what is engaged
+            up = np.maximum(-tip[:, 2], 0.0) * part / axis[:, 2]
+            radius = np.hypot(*(tip + up[:, None] * axis)[tip[:, 2] < 0.0, :2].T)
+            deepest = (gear.sign * (radius - gear.root_radius)).min() - RADIUS
+            assert deepest > -0.005 or gear.root_radius < gear.base_radius
+
+
+@pytest.mark.parametrize("teeth", [60, -60])
+def test_rapids_of_a_wide_helical_gear_allow_for_the_tool_leaning_over(teeth):
+    gear = CylindricalGear(teeth, 5.0, radians(20.0), radians(30.0), facewidth=40.0)
+    settings = Finishing(Cutting(Tool(1, "long", 2.0 * RADIUS, 50.0, 3)), axial_step=10.0)
+    blocks = finish_teeth(gear, MACHINE, settings).blocks
+    tip, axis = poses(blocks, np.flatnonzero(blocks.rapid)[:40], np.linspace(0.0, 1.0, 21))
+    for part in np.linspace(0.0, 1.0, 5):
+        up = np.maximum(-tip[..., 2], 0.0) * part / axis[..., 2]
+        radius = np.hypot(*np.moveaxis(tip + up[..., None] * axis, -1, 0)[:2])
+        away = gear.sign * (radius - gear.tip_radius) - RADIUS / cos(gear.base_helix_angle)
+        assert (away[tip[..., 2] < 2.0 * RADIUS] > 0.49).all()
 
 
 def test_wide_internal_helical_gears_lose_a_flank_and_keep_the_other():

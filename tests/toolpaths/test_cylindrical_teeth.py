@@ -159,6 +159,21 @@ def test_rapids_keep_above_the_face_or_clear_of_the_tip_cylinder(gear, finish, r
             assert (away[tip[..., 2] < RADIUS] > 0.49).all()
 
 
+def test_concave_flanks_are_met_and_left_along_their_normal():
+    gear = thesis(-30, 10.0)
+    blocks = finish_teeth(gear, MACHINE).blocks
+    for side, ends in (("right", -1), ("left", 1)):
+        rows = on_flank(gear, side, finish_teeth(gear, MACHINE))
+        outer = rows[np.flatnonzero(np.diff(rows, prepend=-9 if ends < 0 else rows[0]) > 1) - (ends > 0)]
+        tip, _ = poses(blocks, outer + ends, [0.0, 1.0])
+        away = (tip[:, 1] - tip[:, 0]) * ends
+        station = blocks.before[outer] if ends < 0 else blocks.values[outer]
+        foot = MACHINE.forward(station)[0][:, 2]
+        normal = InvoluteFlank(gear, side).jet(roll_at(gear, side, station[:, 4] + 0.5 * np.pi, foot), foot).normal
+        assert len(outer) >= 19
+        assert np.allclose((away * normal).sum(axis=1), 0.5 * np.cos(gear.base_helix_angle), atol=1e-6)
+
+
 def test_the_table_turns_on_without_jumps(gear, finish):
     turn = np.diff(finish.blocks.values[:, 4], prepend=finish.blocks.start[4])
     assert np.abs(turn).max() < 2.2
