@@ -26,8 +26,8 @@ def slot_spaces(gear: CylindricalGear, machine: Machine, settings: Slotting = SL
 
     The last walls stand at eta_b - stock / R_b from the middle (at eta_b, as the thesis has them, they touch the
     finished flank at the base circle). On helical gears the flutes farther out, where the helix is steeper, bite
-    r (1 - cos(its change)) deeper: 1.3 um on the thesis's gear. Down-milling, from the top face: the left wall downward, the right one
-    upward. Radii at which the tool is wider than the slot are left to the generating passes.
+    r (1 - cos(its change)) deeper: 1.3 um on the thesis's gear. Down-milling, from the top face: the left wall
+    downward, the right one upward. Radii at which the tool is wider than the slot are left to the generating passes.
 
     Raises InputError for internal gears, a tool wider than the slot at the tip or shorter than the tooth, and
     unsuited machines.
