@@ -12,9 +12,14 @@ from gearsim.cutters.profile import Profile
 from gearsim.metrology.bevel import FlankResult, PatchResult
 from gearsim.metrology.dexel_check import DexelResult
 from gearsim.metrology.findings import Finding
+from gearsim.metrology.gear_inspection import GearInspection
+from gearsim.metrology.roughness import Roughness
 from gearsim.metrology.surface import SurfaceResult
 from gearsim.motion.sources import MotionSource
+from gearsim.programs.operation import Operation
+from gearsim.simulation.section import Section
 from gearsim.surfaces.blank import BevelBlank
+from gearsim.surfaces.cylindrical_gear import CylindricalGear
 from gearsim.surfaces.patch import Side, Tooth
 
 Verdict = Literal["pass", "fail", "unchecked"]
@@ -98,6 +103,47 @@ class GeneratingResult(Result):
     def surfaces(self) -> dict[str, SurfaceResult]:
         """All surfaces by name."""
         return {name: surface for cut in self.cuts for name, surface in cut.surfaces.items()}
+
+
+@dataclass(frozen=True)
+class BudgetLine:
+    """One cause of deviations alone: ``cause`` and its ``size`` in words, and what it costs [um, transverse].
+
+    ``parameters`` by the names of ISO 1328-1, the worse side (None: not measured); ``largest_um`` and ``mean_um`` of
+    all trace samples; ``runout_um`` F_r (None: not all spaces were cut).
+    """
+
+    cause: str
+    size: str
+    parameters: dict[str, float | None]
+    largest_um: float
+    mean_um: float
+    runout_um: float | None
+
+
+@dataclass(frozen=True)
+class GearResult(Result):
+    """A cylindrical gear cut from its program.
+
+    ``operations`` as planned (none: the program came from a file); ``program`` is its text, ``notes`` what its
+    reader passed over. ``maps`` holds both flanks of space 0 by side, measured under ``program``; ``reached`` the
+    rolls [rad] at root and tip between which the tool generates each side over the whole facewidth.
+    ``speeds`` [mm/min] are the largest contact speeds by operation, with the feed asked for.
+    """
+
+    gear: CylindricalGear
+    cutter: Profile
+    operations: tuple[Operation, ...]
+    program: str
+    notes: tuple[str, ...]
+    reached: dict[str, tuple[float, float]]
+    inspection: GearInspection
+    maps: dict[str, SurfaceResult]
+    roughness: dict[str, Roughness]
+    budget: tuple[BudgetLine, ...]
+    section: Section
+    dexels: DexelResult
+    cutting_s: dict[str, float]
 
 
 def versions() -> dict[str, str]:

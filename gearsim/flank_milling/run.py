@@ -37,7 +37,7 @@ def measure(job: Job, machine_for: MachineFor, device: str) -> FlankMillingResul
     blank = job.tooth.blank
     box = slot_box(job.tooth.patches, blank, job.scene.simulation.dexel_pitch_mm)
     grids = [flank.grid for flank in flanks.values()]
-    dexels = measure_dexels(machine, box, blank.stock, job.program, grids)
+    dexels = measure_dexels(lambda rays: machine.removed(rays, job.program), box, blank.stock, grids)
     rapid = np.array([name == RAPID for name in job.path_names])[job.program.path]
     findings: list[Finding] = []
     for flank in flanks.values():

@@ -80,9 +80,9 @@ def _dexels(
     surfaces: dict[str, SurfaceResult],
 ) -> DexelResult:  # fmt: skip
     assert job.blank is not None
-    grids = [surface.grid for surface in surfaces.values()]
+    grids, table = [surface.grid for surface in surfaces.values()], motions[cut.generating].table
     box = slot_box(cut.patches, job.blank, job.scene.simulation.dexel_pitch_mm)
-    return measure_dexels(machine, box, job.blank.stock, motions[cut.generating].table, grids)
+    return measure_dexels(lambda rays: machine.removed(rays, table), box, job.blank.stock, grids)
 
 
 def _verdict(cuts: list[CutResult], dexels: DexelResult | None, findings: list[Finding]) -> tuple[Verdict, str]:

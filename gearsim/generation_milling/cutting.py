@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,29 +11,42 @@ from numpy.typing import NDArray
 from gearsim.cutters.profile import Profile
 from gearsim.generation_milling.disturbance import Disturbance
 from gearsim.geometry.rays import RayBundle
+from gearsim.geometry.rigid import Rigid
 from gearsim.metrology.machine import MachineFor
 from gearsim.motion.program import ProgramMotion
 from gearsim.motion.segments import SegmentTable, compile_motion
+from gearsim.motion.sources import MotionSource, MovedMotion
 from gearsim.programs.blocks import Blocks
 from gearsim.programs.operation import Tool
 from gearsim.simulation.intervals import IntervalSet, unite
 
-_FAR_MM = 1e-3
-
 
 @dataclass(frozen=True)
 class ToolMotion:
-    """What one tool does: the exact motion, the table compiled from it, whose rows count from ``first_row``."""
+    """What one tool does relative to the gear: a table compiled from ``source``, whose rows count from ``first_row``.
+
+    ``source`` moves the tool relative to the table; ``shift`` takes what is seen from there to the gear's frame.
+    """
 
     cutter: Profile
     source: ProgramMotion
     table: SegmentTable
+    shift: Rigid
     first_row: int
 
     @property
     def blocks(self) -> NDArray[np.integer]:
         """The block of every row of the table."""
         return self.source.rows[self.table.piece]
+
+    def part(self, chosen: NDArray[np.bool_]) -> SegmentTable:
+        """The rows of the chosen blocks."""
+        rows = chosen[self.blocks]
+        return SegmentTable(**{f.name: getattr(self.table, f.name)[rows] for f in fields(SegmentTable)})
+
+    def exact(self, chosen: NDArray[np.bool_]) -> MotionSource:
+        """The exact motion of the chosen blocks."""
+        return MovedMotion(self.source.select(chosen), self.shift)
 
 
 @dataclass(frozen=True)
@@ -70,8 +83,8 @@ def run_program(
     for number in sorted(set(blocks.tool[every].tolist()) & set(tools)):
         cutter = real.cutter(tools[number])
         source = ProgramMotion(run, every & (blocks.tool == number))
-        table = real.seen_from_gear(compile_motion(source, cutter.reach, tolerance))
-        motions.append(ToolMotion(cutter, source, table, row))
+        table = compile_motion(source, cutter.reach, tolerance).moved(real.mounting)
+        motions.append(ToolMotion(cutter, source, table, real.mounting, row))
         row += len(table)
     return ProgramCut(tuple(motions), machine_for)
 

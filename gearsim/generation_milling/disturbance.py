@@ -11,7 +11,6 @@ from gearsim.cutters.profile import Profile
 from gearsim.errors import InputError
 from gearsim.geometry.rigid import Rigid
 from gearsim.machines.chain import Machine
-from gearsim.motion.segments import SegmentTable
 from gearsim.programs.operation import Tool
 
 
@@ -47,6 +46,7 @@ class Disturbance:
         moved = replace(turned, point=(float(x), float(y), float(z)))
         return replace(nominal, work=tuple(moved if joint is turned else joint for joint in nominal.work))
 
-    def seen_from_gear(self, table: SegmentTable) -> SegmentTable:
-        """The motion relative to the gear as it is mounted."""
-        return table.moved(Rigid(np.eye(3), np.array([-self.eccentricity, 0.0, 0.0]))) if self.eccentricity else table
+    @property
+    def mounting(self) -> Rigid:
+        """From the table's frame to that of the gear as it is mounted."""
+        return Rigid(np.eye(3), np.array([-self.eccentricity, 0.0, 0.0]))

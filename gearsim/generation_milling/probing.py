@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from gearsim.geometry.rays import RayBundle, join_rays
 from gearsim.metrology.gear_traces import GearTraces, helix_range, profile_range, transverse_um
@@ -66,6 +66,17 @@ class Probing:
             transverse_um(designed.lead(gear, self.z)[0], gear.base_helix_angle),
         )  # fmt: skip
         return profile, helix, normal_mm[:, -1]
+
+
+@dataclass(frozen=True)
+class ReachedFlank(InvoluteFlank):
+    """A flank as far as the tool generates it: ``locate`` spans the rolls ``reached`` [rad], at root and tip."""
+
+    reached: tuple[float, float] = (0.0, 0.0)
+
+    def locate(self, length: ArrayLike, height: ArrayLike) -> tuple[NDArray, NDArray]:
+        root, tip = self.reached
+        return root + (tip - root) * np.asarray(height, dtype=float), super().locate(length, height)[1]
 
 
 def probing(gear: CylindricalGear, side: Side, reached: tuple[float, float], points: int) -> Probing:

@@ -2,17 +2,14 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from math import ceil, sin
 
 import numpy as np
-from numpy.typing import NDArray
 
 from gearsim.geometry.rays import RayBundle
 from gearsim.geometry.rigid import Rigid
 from gearsim.geometry.turned import Turned
 from gearsim.simulation.dexels import DexelBox
-from gearsim.simulation.intervals import IntervalSet, subtract
 from gearsim.surfaces.cylindrical_gear import CylindricalGear
 
 _AROUND = 1.0
@@ -36,16 +33,6 @@ def space_box(gear: CylindricalGear, pitch: float) -> DexelBox:
     return DexelBox(Rigid(np.eye(3), np.zeros(3)), lower, np.array([outer + _AROUND, side, _AROUND]), pitch)
 
 
-@dataclass(frozen=True)
-class Section:
-    """A transverse section as cut: rays along x at heights ``y`` (n,) [mm] in the plane ``z`` [mm], what is left."""
-
-    z: float
-    y: NDArray[np.floating]
-    start: float
-    left: IntervalSet
-
-
 def section_rays(gear: CylindricalGear, rim: float, pitch: float) -> RayBundle:
     """Rays along x through the whole gear at half its facewidth."""
     radius = max(gear.tip_radius, gear.root_radius + rim * gear.is_internal) + _AROUND
@@ -53,9 +40,3 @@ def section_rays(gear: CylindricalGear, rim: float, pitch: float) -> RayBundle:
     y = radius * (2.0 * (np.arange(count) + 0.5) / count - 1.0)
     origin = np.stack([np.full(count, -radius), y, np.full(count, -0.5 * gear.facewidth)], axis=1)
     return RayBundle(origin, np.tile([1.0, 0.0, 0.0], (count, 1)), np.zeros(count), np.full(count, 2.0 * radius))
-
-
-def section(rays: RayBundle, stock: Turned, removed: IntervalSet) -> Section:
-    """What is left along the section's rays."""
-    left = subtract(*stock.chords(rays.origin, rays.direction), removed)
-    return Section(float(rays.origin[0, 2]), rays.origin[:, 1], float(rays.origin[0, 0]), left)

@@ -2,19 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
+from gearsim.geometry.rays import RayBundle
 from gearsim.geometry.rigid import frame
 from gearsim.geometry.turned import Turned
 from gearsim.metrology.closest import signed_distance
-from gearsim.metrology.machine import MeasuringMachine
 from gearsim.metrology.samples import SampleGrid, window_rays
-from gearsim.motion.segments import SegmentTable
 from gearsim.simulation.dexels import DexelBox, DexelStock, machined_stock
+from gearsim.simulation.intervals import IntervalSet
 from gearsim.surfaces.blank import BevelBlank
 from gearsim.surfaces.patch import Patch
 
@@ -55,23 +55,25 @@ def slot_box(patches: Sequence[Patch], blank: BevelBlank, pitch: float) -> Dexel
 
 
 def measure_dexels(
-    machine: MeasuringMachine, box: DexelBox, stock: Turned, program: SegmentTable, grids: list[SampleGrid]
+    cut: Callable[[RayBundle], IntervalSet], box: DexelBox, stock: Turned, grids: list[SampleGrid]
 ) -> DexelResult:
-    """Cut the three dexel bundles of a box out of the stock and check their ends on the surfaces of the grids."""
+    """Cut the three dexel bundles of a box out of the stock and check their ends on the surfaces of the grids.
+
+    ``cut`` says what the program removes from rays.
+    """
     bundles = []
     for axis in range(3):
-        removed = machine.removed(box.rays(axis), program)
-        bundles.append(machined_stock(box, axis, stock, removed))
+        bundles.append(machined_stock(box, axis, stock, cut(box.rays(axis))))
     points = np.concatenate([b.cut_points()[0] for b in bundles])
     checked, worst = 0, 0.0
     for grid in grids:
-        gaps = _foot_gaps(machine, grid, points, program)
+        gaps = _foot_gaps(cut, grid, points)
         checked += len(gaps)
         worst = max(worst, 1e3 * float(gaps.max(initial=0.0)))
     return DexelResult(box, (bundles[0], bundles[1], bundles[2]), checked, worst)
 
 
-def _foot_gaps(machine: MeasuringMachine, grid: SampleGrid, points: NDArray, program: SegmentTable) -> NDArray:
+def _foot_gaps(cut: Callable[[RayBundle], IntervalSet], grid: SampleGrid, points: NDArray) -> NDArray:
     """How far [mm] dexel ends near a flank are from the cuts' ends on the normals at their feet.
 
     At most a few thousand, evenly picked.
@@ -82,7 +84,7 @@ def _foot_gaps(machine: MeasuringMachine, grid: SampleGrid, points: NDArray, pro
     if not len(near):
         return np.empty(0)
     rays = window_rays(grid.patch, phi[near], v[near], grid.patch.jet(phi[near], v[near]).normal)
-    removed = machine.removed(rays, program)
+    removed = cut(rays)
     gaps = np.full(len(near), np.inf)
     for ends in (removed.lo, removed.hi):
         np.minimum.at(gaps, removed.ray, np.abs(ends - distance[near][removed.ray]))

@@ -1,6 +1,6 @@
 import numpy as np
 
-from gearsim.simulation.intervals import IntervalSet, from_lists, subtract
+from gearsim.simulation.intervals import IntervalSet, from_lists, subtract, unite
 
 
 def as_set(per_ray):
@@ -54,3 +54,25 @@ def test_ends_remember_who_made_them():
     assert left.hi.tolist() == [2.0, 9.0]
     assert left.lo_segment.tolist() == [-1, 0]
     assert left.hi_segment.tolist() == [0, 1]
+
+
+def test_a_union_holds_what_either_holds(rng):
+    rays, parts = 40, []
+    for _ in range(2):
+        ends = [np.sort(rng.uniform(0, 10, 2 * rng.integers(0, 4)).round(1)) for _ in range(rays)]
+        parts.append([[(a, b) for a, b in zip(e[::2], e[1::2], strict=True) if b > a] for e in ends])
+    both = unite([as_set(p) for p in parts])
+    for i in range(rays):
+        own = slice(both.first[i], both.first[i + 1])
+        assert np.all(both.lo[own][1:] > both.hi[own][:-1])
+        tau = rng.uniform(-1, 11, 300)
+        held = np.any([(tau > a) & (tau < b) for a, b in parts[0][i] + parts[1][i]] or [np.zeros(300, bool)], axis=0)
+        found = np.zeros(300, dtype=bool)
+        for a, b in zip(both.lo[own], both.hi[own], strict=True):
+            found |= (tau > a) & (tau < b)
+        assert np.array_equal(found, held)
+
+
+def test_a_union_of_one_set_is_that_set():
+    one = as_set([[(1.0, 2.0)], []])
+    assert unite([one]) is one

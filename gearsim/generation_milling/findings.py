@@ -1,0 +1,92 @@
+"""What an engineer must be told of a gear milled by generation."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from math import degrees
+
+import numpy as np
+
+from gearsim.generation_milling.cutting import ProgramCut
+from gearsim.generation_milling.flank_map import LAST, WHOLE
+from gearsim.generation_milling.job import GearJob
+from gearsim.metrology.dexel_check import DexelResult
+from gearsim.metrology.findings import Finding, rapid_findings, surface_findings
+from gearsim.metrology.gear_inspection import GearInspection
+from gearsim.metrology.surface import SurfaceResult
+from gearsim.surfaces.cylindrical_gear import SIDES, Side
+from gearsim.surfaces.involute import InvoluteFlank
+from gearsim.surfaces.tool_access import tool_reach
+
+_SEEN_MM = 1e-6
+_DEEPER_MM = 1e-3
+
+
+def gear_findings(
+    job: GearJob, cut: ProgramCut, inspection: GearInspection, maps: Mapping[Side, SurfaceResult], dexels: DexelResult
+) -> list[Finding]:
+    """Values beyond the class, maps beyond the tolerance, cross-cuts, rapids in the blank, flanks not reached."""
+    found = _class(job, inspection)
+    for side, surface in maps.items():
+        found += surface_findings(surface, (WHOLE,), job.scene.metrology.tolerance_um)
+        found += _cross_cut(side, surface)
+    rapid = job.program.blocks.rapid[cut.blocks]
+    found += rapid_findings(dexels, maps["left"].grid, rapid)
+    for side in SIDES:
+        found += _not_reached(job, side)
+    return found
+
+
+def _class(job: GearJob, inspection: GearInspection) -> list[Finding]:
+    """Parameters of ISO 1328-1 beyond the class asked for; pitches only where all spaces were probed."""
+    whole = len(job.spaces) == job.gear.count
+    found = []
+    for row in inspection.rows():
+        if row.within or (row.parameter in ("f_p", "F_p") and not whole):
+            continue
+        worst = max((v for v in row.value_um.values() if np.isfinite(v)), key=abs, default=None)
+        what = f"{row.incomplete} traces incomplete" if row.incomplete else f"{worst:.3g} um"
+        text = f"{row.parameter} is beyond class {inspection.gear_class} ({row.tolerance_um:g} um): {what}"
+        found.append(_at(job, "left", 0.5, "beyond_class", worst, True, text))
+    return found
+
+
+def _cross_cut(side: Side, surface: SurfaceResult) -> list[Finding]:
+    """Where the rest of the program cuts deeper than the last operation alone."""
+    if LAST not in surface.deviations:
+        return []
+    depth = np.nan_to_num(surface.deviations[WHOLE].value - surface.deviations[LAST].value).ravel()
+    i = int(np.argmin(depth))
+    if depth[i] > -_SEEN_MM:
+        return []
+    x, y, z = (float(c) for c in surface.grid.point.reshape(-1, 3)[i])
+    text = f"another operation cuts the {side} flank deeper than the last one"
+    return [Finding("cross_cut", side, 1e3 * float(depth[i]), (x, y, z), None, None, False, text)]
+
+
+def _not_reached(job: GearJob, side: Side) -> list[Finding]:
+    """The part of the involute that the tool cannot generate, and roots it deepens."""
+    gear, (root, tip) = job.gear, job.reached[side]
+    tool = job.finishing.cutting.tool
+    found = []
+    if abs(root - gear.root_roll) > 1e-9 or abs(tip - gear.tip_roll) > 1e-9:
+        radii = f"R {gear.radius(root):.3f} to {gear.radius(tip):.3f} mm"
+        text = (
+            f"the tool of {tool.diameter:g} mm generates the {side} flank over the whole facewidth from roll "
+            f"{degrees(root):.3f} to {degrees(tip):.3f} deg ({radii}); the involute goes from "
+            f"{degrees(gear.root_roll):.3f} to {degrees(gear.tip_roll):.3f} deg"
+        )
+        found.append(_at(job, side, 0.0, "not_reached", None, False, text))
+    deepest = float(tool_reach(gear, root, 0.5 * tool.diameter))
+    deeper = gear.sign * (gear.root_radius - deepest)
+    if deeper > _DEEPER_MM:
+        text = f"finishing the {side} flank to its root end deepens the root circle by {deeper:.3f} mm"
+        found.append(_at(job, side, 0.0, "root_deepened", None, False, text))
+    return found
+
+
+def _at(job: GearJob, side: Side, height: float, kind: str, um: float | None, fails: bool, text: str) -> Finding:
+    """A finding at a height, 0 root to 1 tip, of a flank of space 0."""
+    root, tip = job.reached[side]
+    x, y, z = InvoluteFlank(job.gear, side).jet(root + height * (tip - root), -0.5 * job.gear.facewidth).r
+    return Finding(kind, side, um, (float(x), float(y), float(z)), None, None, fails, text)
