@@ -21,7 +21,7 @@ from gearsim.machines.chain import Joint, Machine
 
 PARALLEL_RAD = 1e-12
 _REACH_RAD = 1e-10
-_FLAT = 1e-9
+FLAT = 1e-9
 _UNIT = 1e-6
 
 
@@ -68,7 +68,7 @@ def reach_tip(machine: Machine, values: NDArray, tip: NDArray) -> NDArray:
     values = np.where([joint.is_rotary for joint in machine.joints], values, 0.0)
     directions = machine.slide_directions(values)
     volume = np.abs(np.linalg.det(directions))
-    if len(volume) and volume.min() < _FLAT:
+    if len(volume) and volume.min() < FLAT:
         i = int(volume.argmin())
         raise InputError(
             f"machine {machine.name}, point {i + 1}: its rotary axes turn the slides into one plane, so that "
@@ -112,7 +112,7 @@ class Solver:
                 "a tip and a tool axis do not settle three rotary axes"
             )
         for a, b in ((self._w1, self._w2), (self._w2, self.z0)):
-            if np.linalg.norm(np.cross(a, b)) < _FLAT:
+            if np.linalg.norm(np.cross(a, b)) < FLAT:
                 first, second = (j.name for j in self.rotaries[:2])
                 raise InputError(
                     f"machine {self.machine.name}: rotary axes {first} and {second} cannot tilt the tool any "
@@ -147,8 +147,8 @@ class Solver:
         """Whether the third rotary axis is the tool's own: at its end, along its axis, through its tip."""
         joint, mount = self.rotaries[2], self.machine.tool_mount
         off = np.cross(joint.direction, mount.translation - np.asarray(joint.point))
-        aligned = np.linalg.norm(np.cross(joint.direction, mount.rotation[:, 2])) < _FLAT
-        return bool(aligned and np.linalg.norm(off) < _FLAT and self.machine.chain[-1] is joint)
+        aligned = np.linalg.norm(np.cross(joint.direction, mount.rotation[:, 2])) < FLAT
+        return bool(aligned and np.linalg.norm(off) < FLAT and self.machine.chain[-1] is joint)
 
     def turn(self, wanted: NDArray) -> tuple[NDArray, NDArray, NDArray]:
         """Both branches of the two rotary axes, (2, n) each, and where the first is free, (n,).

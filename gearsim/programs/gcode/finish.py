@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from gearsim.errors import InputError
 from gearsim.machines.chain import Machine
-from gearsim.machines.inverse import reach_tip
+from gearsim.machines.inverse import FLAT, reach_tip
 from gearsim.programs.gcode.arcs import PLANES, Arcs, arcs
 from gearsim.programs.gcode.moves import CLOCKWISE, COUNTER_CLOCKWISE, DWELL, FEED, RAPID, Moves
 
@@ -64,7 +64,9 @@ def to_slides(machine: Machine, tips: NDArray, excess: float) -> NDArray:
     try:
         return reach_tip(machine, tips, wanted)
     except InputError as error:
-        raise MoveError(0, machine.axes[3:][0] if machine.axes[3:] else "X", str(error)) from error
+        flat = np.abs(np.linalg.det(machine.slide_directions(tips))) < FLAT
+        reason = "the rotary axes turn the slides into one plane, so that they cannot reach the tip"
+        raise MoveError(int(np.argmax(flat)), "".join(machine.axes[3:]), reason) from error
 
 
 def to_tips(machine: Machine, values: NDArray, excess: float) -> NDArray:

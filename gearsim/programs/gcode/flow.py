@@ -49,7 +49,7 @@ class Flow:
                 at += 1
             else:
                 check_characters(line)
-                self.interpreter.begun = True
+                self.interpreter.has_words = True
                 at = at + 1 if self._deleted(line) else self._actions[word.keyword](at, word)
 
     def _deleted(self, line: Line) -> bool:

@@ -15,6 +15,7 @@ from gearsim.programs.gcode.block import Block
 from gearsim.programs.gcode.dialect import Dialect
 from gearsim.programs.gcode.errors import Line
 from gearsim.programs.gcode.expressions import Expressions
+from gearsim.programs.gcode.finish import MoveError
 from gearsim.programs.gcode.journal import Journal
 from gearsim.programs.gcode.lexer import Word, lex
 from gearsim.programs.gcode.moves import CLOCKWISE, DWELL, FEED, NO_ARC, RAPID
@@ -36,7 +37,8 @@ class Interpreter:
         self.state = State(machine, dialect, settings)
         self.values = Expressions(Parameters()) if dialect.parameters else None
         self.ended = False
-        self.begun = False
+        self.has_words = False
+        self._has_begun = False
         self.axes = machine.axes
         self._column = {name: i for i, name in enumerate(machine.axes)}
         self._rotary = [joint.is_rotary for joint in machine.joints]
@@ -44,14 +46,15 @@ class Interpreter:
     def line(self, line: Line) -> None:
         """Run a line. Raises ProgramError for what it cannot use."""
         if line.text.strip() == "%":
-            self.ended, self.begun = self.begun, True
+            self.ended = self.has_words or self._has_begun
+            self._has_begun = True
             return
         if self.settings.block_delete and line.text.lstrip().startswith("/"):
             return
         statement = lex(line, self.dialect, self.values)
         if self.values is not None:
             self.values.commit()
-        self.begun = self.begun or bool(statement.words)
+        self.has_words = self.has_words or bool(statement.words)
         block = Block(line, statement.words, self.dialect, self.axes)
         self.journal.note(block, statement.comments, self.state)
         if statement.words:
@@ -153,7 +156,7 @@ class Interpreter:
             register = block.take("H")
             if register is not None:
                 block.whole(register)
-            state.compensate(0.0, False)
+            self._compensate(block, word, 0.0, False)
             return
         if "Z" not in self._column:
             raise block.error(word, "the machine has no axis Z that a tool length could be compensated by")
@@ -162,7 +165,13 @@ class Interpreter:
         by_tool = self.dialect.tool_length_of_tool and "H" not in block.letters
         register = word if by_tool else block.need("H", word, "the number of the tool length")
         number = state.tool if by_tool else block.whole(register)
-        state.compensate(self._length(block, register, number), code == 434)
+        self._compensate(block, word, self._length(block, register, number), code == 434)
+
+    def _compensate(self, block: Block, word: Word, length: float, tip: bool) -> None:
+        try:
+            self.state.compensate(length, tip)
+        except MoveError as error:
+            raise block.error(word, error.reason) from error
 
     def _work_offset(self, block: Block, code: int, word: Word) -> None:
         name = f"G{code / 10:g}"

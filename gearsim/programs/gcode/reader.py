@@ -45,7 +45,7 @@ class Reader:
         except ProgramError:
             self.recorder.flush()  # an earlier move may be wrong, too: then this raises
             raise
-        if not self.interpreter.begun:
+        if not self.interpreter.has_words:
             raise ProgramError(self.text.name, 1, 1, "", "the program is empty; expected at least one word")
         return self.recorder.blocks(start), self.journal
 
@@ -92,7 +92,9 @@ class Reader:
         if moves is not None:
             self.journal.move(bool((moves.motion != RAPID).any()))
             self.recorder.take(moves)
-        self.interpreter.begun = self.interpreter.begun or bool(scan.present[:, first : first + run.count].any())
+        self.interpreter.has_words = self.interpreter.has_words or bool(
+            scan.present[:, first : first + run.count].any()
+        )
         return run.count
 
     def _emit(self, line: int, before: list[float], motion: int, feed: float, arc: Arc) -> None:
