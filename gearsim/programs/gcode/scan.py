@@ -71,7 +71,7 @@ class Scanner:
         special[np.searchsorted(ends, _wrong(classes)) - 1] = True
         cleaned = _blanked(text, ends, special)
         marks = np.frombuffer(cleaned.translate(self._columns), np.uint8)
-        at = np.flatnonzero(marks)
+        at = np.flatnonzero(marks != 0)
         numbers = _numbers(cleaned, len(at))
         count = len(special)
         values = np.zeros((len(self.column), count))
@@ -103,7 +103,7 @@ class Scanner:
 def _wrong(classes: NDArray) -> NDArray[np.integer]:
     """Characters that their followers show to be part of no plain line."""
     pairs = (classes[:-1] << 4) | classes[1:]
-    found = np.flatnonzero(np.frombuffer(pairs.tobytes().translate(_JUDGEMENTS), np.uint8))
+    found = np.flatnonzero(np.frombuffer(pairs.tobytes().translate(_JUDGEMENTS), np.uint8) != 0)
     if not len(found):
         return found
     verdict = np.frombuffer(_JUDGEMENTS, np.uint8)[pairs[found]]
@@ -130,7 +130,7 @@ def _numbers(text: bytes | bytearray, count: int) -> NDArray[np.floating] | None
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", DeprecationWarning)
         try:
-            numbers = np.fromstring(bytes(text.translate(_NUMBERS)).decode("ascii"), sep=" ")
+            numbers = np.fromstring(bytes(text.translate(_NUMBERS)), sep=" ")
         except ValueError:
             return None
     return numbers if len(numbers) == count else None
