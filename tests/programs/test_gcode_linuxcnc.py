@@ -141,6 +141,9 @@ def test_errors_name_line_column_and_word():
 def test_what_differs_from_fanuc():
     refused("X1", "no motion is in force")
     assert read_program("X1", MACHINE).blocks.rapid.all()
+    refused("G0 X1\nG80\nX1", r"line 3, column 1, X1: no motion is in force")
+    refused("G0 G80", "G80 and G0 are both of the group motion")
+    refused("G0 G28 X0", "column 1, G0: G28 and G0 both want the axis words")
     refused("M428", r"M428 is not read: switchable kinematics")
     refused("M129", "command of the machine's owner")
     refused("M10", "no such M code")

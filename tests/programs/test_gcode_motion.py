@@ -98,6 +98,12 @@ def test_home_is_reached_by_an_intermediate_point():
     assert_array_equal(blocks.line, [1, 2, 2, 3, 3])
 
 
+def test_the_usual_first_lines_are_understood():
+    program = "G0 G17 G21 G40 G49 G50 G69 G80 G90 G94 G98\nG00 G91 G28 Z0.\nG0 G90 G54 X1 M3 S100\nG43 Z5 H1 M8\nX2"
+    blocks = read(program, start={"Z": 400}).blocks
+    assert_allclose(blocks.values[:, [0, 2]], [[0, 500], [1, 500], [1, 5], [2, 5]])
+
+
 def test_work_offsets_count_from_the_workpiece():
     offsets = {"G54": {"X": 100.0, "Z": 50.0}, "G55": {"X": 130.0, "Z": 50.0, "C": 90 * DEG}, "G54.1 P2": {"X": 99.0}}
     program = "G0 X1\nG55 X1 C0\nG54.1 P2 X1\nG54 X1\nG53 X1\nX2"

@@ -15,12 +15,19 @@ from gearsim.errors import InputError
 class Dialect:
     """One control's G-code.
 
-    ``groups`` names the modal group of every G code that is read, ``harmless`` the letters that codes without
-    influence on the path take along, ``refused`` what other known codes are. ``m_groups``, ``m_harmless`` and
-    ``m_refused`` say the same of M codes, ``m_count`` how many a block may have. ``start_motion`` is the motion
-    in force at the start (None: none), ``dwell_unit`` what P of G4 counts in [s], ``tool_length_of_tool``
-    whether G43 without H takes the length of the tool in the spindle, ``parameters`` whether # parameters,
-    [ ] expressions and O words are part of the language.
+    | field | meaning |
+    | --- | --- |
+    | ``letters`` | letters that words begin with |
+    | ``groups`` | the modal group of every G code that is read; a block has one of each |
+    | ``along`` | letters that codes without influence on the path take along |
+    | ``refused`` | other known G codes: what they are, and what to do instead |
+    | ``m_groups``, ``m_harmless``, ``m_refused`` | the same for M codes |
+    | ``m_count`` | how many M codes a block may have |
+    | ``axis_words_once`` | G28 and its like may not stand beside G0 to G3 (else these only become modal) |
+    | ``start_motion`` | the motion in force at the start (None: none) |
+    | ``dwell_unit`` | what P of G4 counts in [s] |
+    | ``tool_length_of_tool`` | G43 without H takes the length of the tool in the spindle |
+    | ``parameters`` | # parameters, [ ] expressions and O words are part of the language |
 
     ``feed_of_all_axes``: what F of G94 and G95 counts. False: the linear axes' way, or, where they stand, the
     rotary axes' turn in degrees. True: the root of the squares of all, a degree as a unit of length; in arcs the
@@ -30,12 +37,13 @@ class Dialect:
     name: str
     letters: str
     groups: Mapping[int, str]
-    harmless: Mapping[int, str]
+    along: Mapping[int, str]
     refused: Mapping[int, str]
     m_groups: Mapping[int, str]
     m_harmless: frozenset[int]
     m_refused: Mapping[int, str]
     m_count: int
+    axis_words_once: bool
     start_motion: int | None
     dwell_unit: float
     tool_length_of_tool: bool
@@ -44,7 +52,7 @@ class Dialect:
 
 
 _GROUPS = {
-    **dict.fromkeys((0, 10, 20, 30, 800), "motion"),
+    **dict.fromkeys((0, 10, 20, 30), "motion"),
     **dict.fromkeys((40, 280, 520, 530, 920), "one block"),
     **dict.fromkeys((170, 180, 190), "plane"),
     **dict.fromkeys((200, 210), "units"),
@@ -79,22 +87,23 @@ FANUC = Dialect(
     letters="ABCDFGHIJKMNOPQRSTUVWXYZ",
     groups={
         **_GROUPS,
+        800: "canned cycle",
         434: "tool length",
         541: "work offset",
         690: "tilted plane",
         **dict.fromkeys((50, 51, 80), "look-ahead"),
         150: "polar coordinates",
+        500: "scaling",
         501: "mirror",
         670: "macro",
     },
-    harmless={50: "PQ", 51: "PQ", 80: "P", 150: "", 501: "", 610: "", 640: "", 670: "", 690: "", 970: "",
-              980: "", 990: ""},
+    along={50: "PQ", 51: "PQ", 80: "P"},
     refused={
         **_REFUSED,
         70: "hypothetical axis interpolation", 71: "cylindrical interpolation", 90: "exact stop for a block; use G61",
         160: "polar coordinates", 270: "the reference point check", 290: "the way back from the reference point",
         435: "tool centre point control with tool vectors; use G43.4 with rotary axes",
-        440: "negative tool length compensation; use G43", 500: "scaling off", 510: "scaling", 511: "mirror",
+        440: "negative tool length compensation; use G43", 510: "scaling", 511: "mirror",
         531: "tool axis direction control of a tilted plane", 542: "dynamic fixture offset",
         544: "workpiece setting error compensation", 650: "a macro call; expand the macro",
         660: "a modal macro call; expand the macro", 680: "coordinate rotation",
@@ -105,6 +114,7 @@ FANUC = Dialect(
     m_harmless=frozenset((10, 11, 19, 48, 49, 68, 69)),
     m_refused=dict.fromkeys((96, 97, 98, 99), "a subprogram; put its lines in its place"),
     m_count=3,
+    axis_words_once=False,
     start_motion=0,
     dwell_unit=1e-3,
     tool_length_of_tool=False,
@@ -117,13 +127,14 @@ LINUXCNC = Dialect(
     letters="ABCDFGHIJKLMNPQRSTUVWXYZ",
     groups={
         **_GROUPS,
+        800: "motion",
         **dict.fromkeys((591, 592, 593), "work offset"),
         **dict.fromkeys((901, 911), "arc distance"),
         921: "one block",
         611: "path control",
         **dict.fromkeys((80,), "diameter mode"),
     },
-    harmless={610: "", 611: "", 640: "PQ", 80: "", 970: "", 980: "", 990: ""},
+    along={640: "PQ"},
     refused={
         **_REFUSED,
         50: "a cubic spline", 51: "a quadratic spline", 52: "a NURBS block", 53: "a NURBS block",
@@ -147,6 +158,7 @@ LINUXCNC = Dialect(
         **dict.fromkeys(range(100, 200), "a command of the machine's owner"),
     },
     m_count=4,
+    axis_words_once=True,
     start_motion=None,
     dwell_unit=1.0,
     tool_length_of_tool=True,

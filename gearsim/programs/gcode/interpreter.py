@@ -74,7 +74,7 @@ class Interpreter:
         if motion is not None:
             self.state.motion = None if motion[0] == 800 else motion[0] // 10
         if word is not None and code is not None and code != 530:
-            if motion is not None and motion[0] != 800 and block.axes:
+            if motion is not None and block.axes and self.dialect.axis_words_once:
                 raise block.error(motion[1], f"G{code / 10:g} and G{motion[0] / 10:g} both want the axis words")
             moves[code](block, word)
         elif block.axes or any(letter in block.letters for letter in "IJKR"):
@@ -137,7 +137,7 @@ class Interpreter:
     def _modes(self, block: Block) -> None:
         state = self.state
         for group, (code, word) in block.g.items():
-            for letter in self.dialect.harmless.get(code, ""):
+            for letter in self.dialect.along.get(code, ""):
                 block.take(letter)
             if group == "plane":
                 state.plane = code // 10

@@ -5,6 +5,8 @@ from __future__ import annotations
 from gearsim.programs.gcode.block import Block
 from gearsim.programs.gcode.state import State
 
+_SMOOTHING = ("look-ahead", "path control")
+
 
 class Journal:
     """Collects names; an operation begins at a tool change and at a line of a number and a comment alone.
@@ -32,13 +34,13 @@ class Journal:
             self._comment = told
             if set(block.letters) == {"N"} and not block.g and not block.m:
                 self._begin(told, state)
-        for code, _ in block.g.values():
-            if code in state.dialect.harmless and code not in (690, 970, 980, 990):
+        for group, (code, _) in block.g.items():
+            if group in _SMOOTHING:
                 self.ignored.setdefault(f"G{code / 10:g}", block.line.number)
 
     def tool_change(self, block: Block, state: State) -> None:
         """A tool comes into the spindle."""
-        if state.tool not in self.tools:
+        if state.tool and state.tool not in self.tools:
             self.tools.append(state.tool)
         if self._has_cut or not self.operations:
             number = block.letters.get("N")
@@ -55,7 +57,7 @@ class Journal:
     def notes(self) -> tuple[str, ...]:
         """What a person should know about the reading."""
         return tuple(
-            f"{code} (line {line} first): the control's smoothing or mode is not simulated"
+            f"{code} (line {line} first): the control's smoothing of corners is not simulated"
             for code, line in self.ignored.items()
         )
 
