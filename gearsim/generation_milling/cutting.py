@@ -44,9 +44,12 @@ class ToolMotion:
         rows = chosen[self.blocks]
         return SegmentTable(**{f.name: getattr(self.table, f.name)[rows] for f in fields(SegmentTable)})
 
-    def exact(self, chosen: NDArray[np.bool_]) -> MotionSource:
-        """The exact motion of the chosen blocks."""
-        return MovedMotion(self.source.select(chosen), self.shift)
+    def passes(self, chosen: NDArray[np.bool_]) -> list[MotionSource]:
+        """The exact motion of the chosen feed blocks, cut up at the rapids between them."""
+        blocks = self.source.blocks
+        number = np.cumsum(blocks.rapid)
+        moving = np.isin(np.arange(len(blocks)), self.source.rows) & chosen & ~blocks.rapid
+        return [MovedMotion(self.source.select(moving & (number == k)), self.shift) for k in np.unique(number[moving])]
 
 
 @dataclass(frozen=True)

@@ -19,7 +19,10 @@ WHOLE, LAST = "program", "last operation"
 
 
 def measure_map(job: GearJob, cut: ProgramCut, side: Side) -> SurfaceResult:
-    """Measure space 0's flank; for the envelope road, the blocks that make it and all between them."""
+    """Measure space 0's flank; for the envelope road, the blocks that make it and all between them.
+
+    Each pass is a motion of its own: passes at other heights generate the same flank, to what rounding leaves.
+    """
     m = job.scene.metrology
     patch = ReachedFlank(job.gear, side, 0, job.finishing.modification, job.reached[side])
     grid = sample_grid(patch, m.rows, m.columns, m.margin)
@@ -31,7 +34,7 @@ def measure_map(job: GearJob, cut: ProgramCut, side: Side) -> SurfaceResult:
         tool, chosen = made
         machine = cut.machine_for(tool.cutter)
         surface.deviations[LAST] = own = machine.measure([rays], tool.part(chosen))[0].reshaped(grid.shape)
-        surface.gaps[LAST] = road_gap(machined_along(rays, [tool.exact(chosen)], tool.cutter), own)
+        surface.gaps[LAST] = road_gap(machined_along(rays, tool.passes(chosen), tool.cutter), own)
     return surface
 
 
