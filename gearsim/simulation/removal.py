@@ -81,6 +81,13 @@ def prepare(device: str, ring: bool = False) -> float:
     Raises InputError where Warp knows no such device.
     """
     started = perf_counter()
+    open_device(device)
+    wp.load_module(ring_kernels if ring else kernels, device=device)
+    return perf_counter() - started
+
+
+def open_device(device: str) -> None:
+    """Start Warp. Raises InputError where it knows no such device."""
     with nullcontext() if device.startswith("cuda") else _silent_stderr():
         wp.init()
     try:
@@ -88,8 +95,6 @@ def prepare(device: str, ring: bool = False) -> float:
     except Exception as error:
         known = ", ".join(str(d) for d in wp.get_devices())
         raise InputError(f"no device {device!r}; this machine has {known}") from error
-    wp.load_module(ring_kernels if ring else kernels, device=device)
-    return perf_counter() - started
 
 
 @contextmanager
