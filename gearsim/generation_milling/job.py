@@ -23,6 +23,7 @@ from gearsim.toolpaths.cylindrical.plan import plan_gear
 from gearsim.toolpaths.cylindrical.settings import Finishing, Settings
 
 _HEIGHTS = 41
+_PASSES_BY = 200
 
 
 @dataclass(frozen=True)
@@ -46,8 +47,7 @@ class GearJob:
     @property
     def finishing(self) -> Finishing:
         """What the last operation is told."""
-        assert isinstance(self.steps[-1], Finishing)
-        return self.steps[-1]
+        return self.scene.finishing()
 
     @property
     def spaces(self) -> tuple[int, ...]:
@@ -78,8 +78,8 @@ class GearJob:
         return 2 * self.scene.metrology.rows * self.scene.metrology.columns
 
     def ring_pairs(self) -> int:
-        """None: end mills are convex."""
-        return 0
+        """Pairs that no culling spares: every pass at a lower height goes by the rays above it."""
+        return _PASSES_BY * self.ray_count()
 
 
 def plan(scene: GenerationMillingScene, folder: Path) -> GearJob:

@@ -16,7 +16,7 @@ from gearsim.scene.program import PostTable
 from gearsim.scene.tables import Count, Length, LengthOrZero, Scene, Table
 from gearsim.surfaces.cylindrical_gear import CylindricalGear
 from gearsim.surfaces.flank_modification import FlankModification, Relief
-from gearsim.toolpaths.cylindrical.settings import Settings
+from gearsim.toolpaths.cylindrical.settings import Finishing, Settings
 
 Degrees = Annotated[float, Field(gt=-90.0, lt=90.0, allow_inf_nan=False)]
 Micrometres = Annotated[float, Field(ge=-1e4, le=1e4, allow_inf_nan=False)]
@@ -194,6 +194,12 @@ class GenerationMillingScene(Scene):
 
     def builders(self) -> tuple[Callable[[], object], ...]:
         return (self.gear, self.surface.design, self.controller, self.program.options, self.paths)
+
+    def finishing(self) -> Finishing:
+        """What finishing is told. Raises InputError as ``paths`` does."""
+        last = self.paths()[-1]
+        assert isinstance(last, Finishing)
+        return last
 
     def paths(self) -> tuple[Settings, ...]:
         """What each operation is told, finishing last. Raises InputError for a tool that is not in the table."""

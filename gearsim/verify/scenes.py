@@ -9,9 +9,19 @@ from typing import Any
 from gearsim.errors import read_input
 from gearsim.motion.sources import CLMotion, CurveMotion
 from gearsim.programs.cldata import RAPID, parse_cl
-from gearsim.scene import EnvelopeScene, FaceMillingScene, FlankMillingScene, HypoidScene, Scene
+from gearsim.scene import (
+    EnvelopeScene,
+    FaceMillingScene,
+    FlankMillingScene,
+    GenerationMillingScene,
+    HypoidScene,
+    Scene,
+)
+from gearsim.surfaces.cylindrical_gear import SIDES
 from gearsim.surfaces.face_milled import FaceMilledTooth
+from gearsim.surfaces.involute import InvoluteFlank
 from gearsim.verify.closed_form import ClosedForm, envelope_forms, pose_forms
+from gearsim.verify.involute import flank_form
 
 
 def closed_forms(scene: Scene, folder: Path) -> list[ClosedForm]:
@@ -55,9 +65,16 @@ def _head(tooth: FaceMilledTooth, flank: str) -> list[ClosedForm]:
     return make(motion, tooth.head, flank)
 
 
+def _generation_milling(scene: GenerationMillingScene, _: Path) -> list[ClosedForm]:
+    """Both flanks as the finishing end mill generates them, without modification."""
+    gear, radius = scene.gear(), scene.finishing().cutting.radius
+    return [flank_form(InvoluteFlank(gear, side), radius) for side in SIDES]
+
+
 FORMS: dict[type[Scene], Callable[[Any, Path], list[ClosedForm]]] = {
     FlankMillingScene: _flank_milling,
     EnvelopeScene: _envelope,
     FaceMillingScene: _face_milling,
     HypoidScene: _hypoid,
+    GenerationMillingScene: _generation_milling,
 }
