@@ -10,7 +10,6 @@ from collections.abc import Callable
 from math import pi
 
 from gearsim.machines.chain import Machine
-from gearsim.programs.gcode.arcs import OFFSET_LETTERS
 from gearsim.programs.gcode.block import Block
 from gearsim.programs.gcode.dialect import Dialect
 from gearsim.programs.gcode.errors import Line
@@ -18,6 +17,7 @@ from gearsim.programs.gcode.expressions import Expressions
 from gearsim.programs.gcode.finish import MoveError
 from gearsim.programs.gcode.journal import Journal
 from gearsim.programs.gcode.lexer import Word, lex
+from gearsim.programs.gcode.motion_words import Arc, arc_words, check_feed
 from gearsim.programs.gcode.moves import CLOCKWISE, DWELL, FEED, NO_ARC, RAPID
 from gearsim.programs.gcode.parameters import Parameters
 from gearsim.programs.gcode.settings import ReadSettings
@@ -25,7 +25,6 @@ from gearsim.programs.gcode.state import INCH, State
 
 DEGREE = pi / 180.0
 LEAST_FEED = 1e-6
-Arc = tuple[float, float, float, float]
 Emit = Callable[[int, list[float], int, float, Arc], None]
 
 
@@ -248,11 +247,11 @@ class Interpreter:
         if motion is None:
             lonely = first or next(block.letters[letter] for letter in "IJKR" if letter in block.letters)
             raise block.error(lonely, "no motion is in force; G0, G1, G2 or G3 is missing")
-        arc = self._arc(block) if motion >= CLOCKWISE else NO_ARC
+        arc = arc_words(block, state) if motion >= CLOCKWISE else NO_ARC
         if first is None and motion < CLOCKWISE:
             block.check_all_taken()
         if motion >= FEED:
-            self._check_feed(block, first)
+            check_feed(block, state)
         before, word = state.position, machine_coordinates
         state.position = self._target(block) if word is None else self._machine_target(block, word)
         self.emit(block.line.number, before, motion, state.feed or 0.0, arc)
@@ -281,38 +280,3 @@ class Interpreter:
 
     def _factor(self, column: int) -> float:
         return DEGREE if self._rotary[column] else self.state.scale
-
-    def _check_feed(self, block: Block, first: Word | None) -> None:
-        state = self.state
-        word = block.g["motion"][1] if "motion" in block.g else first or next(iter(block.letters.values()))
-        if state.feed_mode == 93 and "F" not in block.letters:
-            raise block.error(word, "F is missing; inverse time feed (G93) needs it in every block that cuts")
-        if state.feed is None:
-            raise block.error(word, f"F is missing; G{state.feed_mode} is in force and has no feed yet")
-        if state.feed_mode == 95 and state.spindle == 0.0:
-            raise block.error(word, "S is missing; feed per revolution (G95) needs a spindle speed")
-
-    def _arc(self, block: Block) -> Arc:
-        """I, J, K and R [mm] of a circular move, nan where absent."""
-        state, motion = self.state, self.state.motion
-        name, allowed = f"G{motion}", OFFSET_LETTERS[state.plane]
-        word = block.g["motion"][1] if "motion" in block.g else next(iter(block.letters.values()))
-        self._refuse_arc(block, word)
-        found = {letter: block.take(letter) for letter in "IJKR"}
-        given = [letter for letter in "IJKR" if found[letter] is not None]
-        if not given:
-            raise block.error(word, f"{name} needs the centre ({', '.join(allowed)}) or the radius (R)")
-        for letter in given:
-            if letter not in allowed + "R":
-                raise block.error(block.letters[letter], f"{letter} does not belong to the plane G{state.plane}")
-        if "R" in given and len(given) > 1:
-            raise block.error(block.letters["R"], "an arc has a centre or a radius, not both")
-        numbers = [w.value * state.scale if w is not None else NO_ARC[0] for w in found.values()]
-        return (numbers[0], numbers[1], numbers[2], numbers[3])
-
-    def _refuse_arc(self, block: Block, word: Word) -> None:
-        if self.state.tip:
-            reason = "arcs under tool centre point control are not read; write straight blocks or switch it off by G49"
-            raise block.error(word, reason)
-        if self.axes[:3] != ("X", "Y", "Z"):
-            raise block.error(word, f"arcs need slides X, Y, Z; the machine has {', '.join(self.axes)}")

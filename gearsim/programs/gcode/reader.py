@@ -11,8 +11,9 @@ from gearsim.programs.blocks import Blocks
 from gearsim.programs.gcode.dialect import Dialect
 from gearsim.programs.gcode.errors import ProgramError
 from gearsim.programs.gcode.flow import Flow, has_flow
-from gearsim.programs.gcode.interpreter import Arc, Interpreter
+from gearsim.programs.gcode.interpreter import Interpreter
 from gearsim.programs.gcode.journal import Journal
+from gearsim.programs.gcode.motion_words import Arc
 from gearsim.programs.gcode.moves import RAPID
 from gearsim.programs.gcode.plain import PlainRun
 from gearsim.programs.gcode.recorder import Recorder
