@@ -143,11 +143,17 @@ class Machine:
 
     def slide_directions(self, values: NDArray) -> NDArray:
         """What a unit of each slide moves the tip by, workpiece frame: (n, 3, slides), columns as in ``axes``."""
-        slides = [joint for joint in self.joints if not joint.is_rotary]
         still = self.constant(values)
-        rows = (np.stack([np.asarray(joint.direction), np.zeros(3)]) for joint in slides)
-        columns = [self.walk(still, r, j).value[:, 0] for r, j in zip(rows, slides, strict=True)]
-        return np.stack(columns, axis=-1)
+        together: dict[int, list[Joint]] = {}  # slides with the same rotary axes between them and the workpiece
+        for i, joint in enumerate(self.chain):
+            if not joint.is_rotary:
+                together.setdefault(sum(j.is_rotary for j in self.chain[:i]), []).append(joint)
+        columns = {}
+        for slides in together.values():
+            rows = np.stack([*(np.asarray(joint.direction) for joint in slides), np.zeros(3)])
+            moved = self.walk(still, rows, slides[0]).value
+            columns.update({joint.name: moved[:, i] for i, joint in enumerate(slides)})
+        return np.stack([columns[joint.name] for joint in self.joints if not joint.is_rotary], axis=-1)
 
     def constant(self, values: NDArray) -> list[Series]:
         """Axis values (n, k) as series of order 0."""
