@@ -180,7 +180,7 @@ def finite_numbers(values: ArrayLike, what: str, axes: int) -> NDArray:
     """Finite float64 numbers with so many axes, or InputError."""
     try:
         found = np.array(values, dtype=float)
-    except (TypeError, ValueError) as error:
+    except (TypeError, ValueError, OverflowError) as error:
         raise InputError(f"{what} must be numbers in rows of equal length") from error
     if found.ndim != axes or not np.isfinite(found).all():
         raise InputError(f"{what} must be finite numbers with {axes} axes, got shape {found.shape}")
