@@ -35,22 +35,35 @@ def quadric(part: Tensor, tilt: NDArray | None = None, bend: NDArray | None = No
     return height
 
 
-def least_clearance(cutter: Profile, theta: NDArray, height: Height, radius: float, directions: int = 256) -> NDArray:
+def least_clearance(cutter: Profile, theta: NDArray, height: Height, radius: float, directions: int = 128) -> NDArray:
     """Least 2 d / radius² [1/mm] at points of the part about each contact, theta [rad] of shape (n,); < 0 gouges.
 
-    d is the tool's signed distance; the points lie on a circle of ``radius`` [mm] about the contact and, for a sharp
-    rim, under the rim.
+    d is the tool's signed distance; the points lie on a circle of ``radius`` [mm] about the contact, once more and
+    closer about the worst of them, and under the tool's own circle through the contact: a sharp rim gouges nowhere
+    else.
     """
-    angle = theta[:, None]
+    step = 2.0 * np.pi / directions
+    turn = step * np.arange(directions) + np.zeros((len(theta), 1))
+    coarse = _distances(cutter, theta, height, radius * np.cos(turn), radius * np.sin(turn))
+    worst = np.take_along_axis(turn, np.argmin(coarse, axis=1)[:, None], axis=1)
+    turn = worst + step * np.linspace(-1.0, 1.0, directions // 2)
+    fine = _distances(cutter, theta, height, radius * np.cos(turn), radius * np.sin(turn))
+    under = _distances(cutter, theta, height, *_under_circle(contact_at(cutter, theta).r, theta, radius))
+    return 2.0 * np.min(np.concatenate([coarse, fine, under], axis=1), axis=1) / radius**2
+
+
+def _under_circle(r: NDArray, theta: NDArray, radius: float) -> tuple[NDArray, NDArray]:
+    """Tangent coordinates (n, 2) of two points of the tool's circle of radius r, ``radius`` beside the contact."""
+    side = radius * np.array([-1.0, 1.0]) + np.zeros((len(r), 1))
+    reaches = r[:, None] > radius
+    inward = r[:, None] - np.sqrt(np.where(reaches, r[:, None] ** 2 - side**2, r[:, None] ** 2))
+    return -np.cos(theta)[:, None] * inward, side
+
+
+def _distances(cutter: Profile, theta: NDArray, height: Height, x: NDArray, y: NDArray) -> NDArray:
+    """The tool's signed distance [mm] from points of the part over the tangent coordinates x, y, shape (n, m)."""
+    angle, h = theta[:, None], height(x, y)
     contact = contact_at(cutter, angle)
-    turn = 2.0 * np.pi * np.arange(directions) / directions
-    x, y = np.broadcast_arrays(radius * np.cos(turn), np.zeros_like(angle))[0], radius * np.sin(turn) + 0.0 * angle
-    along = np.linspace(-radius, radius, 9)
-    sagitta = along**2 / (contact.r + np.sqrt(np.maximum(contact.r**2 - along**2, 0.0)))  # the rim's own bend inward
-    x = np.concatenate([x, -np.cos(angle) * sagitta], axis=1)
-    y = np.concatenate([y, along + 0.0 * angle], axis=1)
-    h = height(x, y)
     out = contact.r + x * np.cos(angle) - h * np.sin(angle)
     z = contact.z + x * np.sin(angle) + h * np.cos(angle)
-    distance = cutter.signed_distance(np.hypot(out, y), z)
-    return 2.0 * np.min(distance, axis=1) / radius**2
+    return cutter.signed_distance(np.hypot(out, y), z)
