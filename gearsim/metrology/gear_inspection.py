@@ -77,7 +77,7 @@ class GearInspection:
         tolerances, size = self.tolerances_um, self.size
         rows = []
         for name in PARAMETERS:
-            of_side = {side: _largest(values[side][name]) for side in SIDES}
+            of_side = {side: largest(values[side][name]) for side in SIDES}
             worst = max(abs(v) for v in of_side.values())
             achieved = None if missing[name] else achieved_class(size, name, worst)
             rows.append(InspectionRow(name, tolerances[name], of_side, achieved, missing[name]))
@@ -96,7 +96,7 @@ class GearInspection:
         return values, missing
 
 
-def _largest(values: NDArray) -> float:
+def largest(values: NDArray) -> float:
     """The value of the largest size, with its sign; nan where there is none."""
     known = values[np.isfinite(values)]
     return float(known[np.argmax(np.abs(known))]) if known.size else float("nan")

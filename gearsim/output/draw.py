@@ -48,6 +48,11 @@ def main(folder: Path) -> None:
     data = dict(np.load(folder / DATA))
     surfaces = patch_meshes(data)
     pv.merge(list(surfaces.values()), merge_points=False).extract_surface(algorithm=None).save(folder / "tooth.vtp")
+    if "section:y" in data:
+        from gearsim.output.cylindrical.draw import draw_gear
+
+        draw_gear(data, surfaces, folder / "gear.png")
+        return
     if "tool:profile" in data:
         from gearsim.output.generating.draw import draw_generating
 

@@ -57,18 +57,21 @@ def provenance(report: dict[str, Any], files: str) -> str:
 
 
 def findings(report: dict[str, Any]) -> str:
-    """What was found, with depth and place."""
+    """What was found, with depth and place; on a bevel gear's blank, where on the tooth."""
+    found = report["findings"]
+    if not found:
+        return "## Findings\n\nNone.\n"
+    on_blank = any(f["cone_distance_mm"] is not None for f in found)
     rows = [
         [
             f["kind"], f["patch"], um(f["depth_um"]), ", ".join(f"{x:.2f}" for x in f["place_mm"]),
-            _mm(f["cone_distance_mm"]), _mm(f["height_mm"]), "FAILS" if f["fails"] else "", f["text"],
+            *((_mm(f["cone_distance_mm"]), _mm(f["height_mm"])) if on_blank else ()),
+            "FAILS" if f["fails"] else "", f["text"],
         ]
-        for f in report["findings"]
+        for f in found
     ]  # fmt: skip
-    if not rows:
-        return "## Findings\n\nNone.\n"
-    head = ["Kind", "where", "µm", "x, y, z [mm]", "cone distance [mm]", "above root [mm]", "", "what"]
-    return "## Findings\n\n" + table(head, rows)
+    on_tooth = ["cone distance [mm]", "above root [mm]"] if on_blank else []
+    return "## Findings\n\n" + table(["Kind", "where", "µm", "x, y, z [mm]", *on_tooth, "", "what"], rows)
 
 
 def _mm(x: float | None) -> str:

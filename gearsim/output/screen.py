@@ -15,7 +15,9 @@ from rich.table import Table
 from gearsim.metrology.deviation import Deviation
 from gearsim.metrology.dexel_check import DexelResult
 from gearsim.metrology.roads import RoadGap
-from gearsim.result import FlankMillingResult, GeneratingResult, Result
+from gearsim.output.cylindrical.words import size
+from gearsim.result import FlankMillingResult, GearResult, GeneratingResult, Result
+from gearsim.surfaces.cylindrical_gear import SIDES
 
 _CONSOLE = Console(highlight=False, width=None if sys.stdout.isatty() else 110)
 _WIDE = 200  # of a table with many columns, written to a file
@@ -53,6 +55,8 @@ class ScreenProgress:
 
 def print_result(result: Result, out: Path, missing: list[str]) -> None:
     """The figures a user wants first."""
+    if isinstance(result, GearResult):
+        _print_parameters(result)
     _print_deviations(result)
     for f in result.findings:
         place = ", ".join(f"{x:.2f}" for x in f.place_mm)
@@ -72,6 +76,21 @@ def print_result(result: Result, out: Path, missing: list[str]) -> None:
     _CONSOLE.print(f"verdict: [{style}]{result.verdict}[/]{detail}   report: {out / 'report.html'}")
 
 
+def _print_parameters(result: GearResult) -> None:
+    """Parameters of ISO 1328-1 by side, beside their tolerances."""
+    inspection = result.inspection
+    table = Table(title=f"{result.name}: ISO 1328-1:2013, transverse, class {inspection.gear_class} asked for")
+    table.add_column("parameter")
+    for head in (*(f"{side} flanks" for side in SIDES), "tolerance", "class achieved"):
+        table.add_column(head, justify="right")
+    for row in inspection.rows():
+        style = "" if row.within or row.incomplete else "bold red"
+        achieved = row.achieved or (f"{row.incomplete} missing" if row.incomplete else "beyond 11")
+        values = [size(row.value_um[side]) for side in SIDES]
+        table.add_row(row.parameter, *values, f"{row.tolerance_um:g} µm", str(achieved), style=style)
+    _CONSOLE.print(table)
+
+
 def _print_deviations(result: Result) -> None:
     """Deviations by surface and motion, and how well the roads agree."""
     table = Table(title=f"{result.name}: deviation in um, + material left, - overcut")
@@ -83,8 +102,9 @@ def _print_deviations(result: Result) -> None:
         table.add_row(name, *(_um(um[k]) for k in ("min", "max", "mean", "rms")))
     _CONSOLE.print(table)
     third = f"; {dexels.checked:,} tri-dexel ends to {1e3 * dexels.check_um:.2g} nm" if dexels else ""
+    largest = 1e3 * max((g.max_um for g in gaps), default=0.0)
     _CONSOLE.print(
-        f"Two roads agree to {1e3 * max(g.max_um for g in gaps):.2g} nm over {sum(g.valid for g in gaps):,} samples "
+        f"Two roads agree to {largest:.2g} nm over {sum(g.valid for g in gaps):,} samples "
         f"({sum(g.excluded for g in gaps)} excluded){third}."
     )
 
@@ -103,8 +123,8 @@ def _figures(result: Result) -> tuple[dict[str, Deviation], list[RoadGap], Dexel
         }
         gaps = [g for f in result.flanks.values() for g in (f.gap, f.gap_cl) if g is not None]
         return named, gaps, result.dexels
-    assert isinstance(result, GeneratingResult)
-    surfaces = result.surfaces.items()
+    assert isinstance(result, GeneratingResult | GearResult)
+    surfaces = (result.maps if isinstance(result, GearResult) else result.surfaces).items()
     named = {f"{side}: {name}": d for side, s in surfaces for name, d in s.deviations.items()}
     return named, [g for _, s in surfaces for g in s.gaps.values()], result.dexels
 

@@ -51,7 +51,7 @@ def dexel_figures(dexels: DexelResult) -> dict[str, Any]:
         "pitch_mm": dexels.box.pitch,
         "rays": [len(b.rays) for b in dexels.bundles],
         "removed_volume_mm3": dexels.removed_volumes,
-        "check_um": {"max": _number(dexels.check_um), "points": dexels.checked},
+        "check_um": {"max": number(dexels.check_um), "points": dexels.checked},
     }
 
 
@@ -90,8 +90,8 @@ def _flank(flank: FlankResult, reference: dict[str, Any] | None) -> dict[str, An
         "convergence": convergence_figures(flank.convergence),
         "grid_um": _numbers(flank.topography["all_passes"].as_cut_um),
         "topography": {name: _topography(t) for name, t in flank.topography.items()},
-        "profile_um": {k: _number(v) for k, v in flank.profile_um.items()},
-        "profile_inplane_um": {k: _number(v) for k, v in flank.profile_inplane_um.items()},
+        "profile_um": {k: number(v) for k, v in flank.profile_um.items()},
+        "profile_inplane_um": {k: number(v) for k, v in flank.profile_inplane_um.items()},
     }
     if reference is not None:
         out["published_profile_um"] = dict(zip(flank.profile_um, published_um(reference, flank.side), strict=False))
@@ -142,8 +142,8 @@ def convergence_figures(convergence: Convergence | None) -> dict[str, Any] | Non
     return {
         "points": list(convergence.points),
         "worst_um": list(convergence.worst_um),
-        "orders": [_number(q) for q in orders],
-        "order": _number(float(np.median(orders))) if orders else None,
+        "orders": [number(q) for q in orders],
+        "order": number(float(np.median(orders))) if orders else None,
     }
 
 
@@ -152,17 +152,17 @@ def _topography(t: Topography) -> dict[str, Any]:
         "as_cut_um": _numbers(t.as_cut_um),
         "mid_zeroed_um": _numbers(t.mid_zeroed_um),
         "best_rotated_um": _numbers(t.best_rotated_um),
-        "mid_rotation_um": _number(t.mid_rotation_um),
-        "mid_rotation_deg": _number(t.rotation_deg(t.mid_rotation_um)),
-        "best_rotation_um": _number(t.best_rotation_um),
-        "best_rotation_deg": _number(t.rotation_deg(t.best_rotation_um)),
+        "mid_rotation_um": number(t.mid_rotation_um),
+        "mid_rotation_deg": number(t.rotation_deg(t.mid_rotation_um)),
+        "best_rotation_um": number(t.best_rotation_um),
+        "best_rotation_deg": number(t.rotation_deg(t.best_rotation_um)),
         "radius_mm": t.mid_radius_mm,
     }
 
 
-def _number(x: float) -> float | None:
+def number(x: float) -> float | None:
     return float(x) if np.isfinite(x) else None
 
 
 def _numbers(grid: NDArray) -> list[list[float | None]]:
-    return [[_number(x) for x in row] for row in grid]
+    return [[number(x) for x in row] for row in grid]

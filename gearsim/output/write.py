@@ -6,6 +6,11 @@ from pathlib import Path
 from typing import Any
 
 from gearsim.output import charts, report
+from gearsim.output.cylindrical import charts as cylindrical_charts
+from gearsim.output.cylindrical import drawing as cylindrical_drawing
+from gearsim.output.cylindrical import report as cylindrical_report
+from gearsim.output.cylindrical import summary as cylindrical_summary
+from gearsim.output.cylindrical.maps import map_channels, map_columns
 from gearsim.output.draw import DATA, finish_drawing, start_drawing
 from gearsim.output.drawing import write_drawing
 from gearsim.output.exr import grid_channels, write_exr
@@ -17,13 +22,15 @@ from gearsim.output.generating.maps import surface_channels, surface_columns
 from gearsim.output.markdown import write_report
 from gearsim.output.summary import summary, write_json
 from gearsim.output.table import flank_columns, write_parquet
-from gearsim.result import FlankMillingResult, GeneratingResult, Result
+from gearsim.result import FlankMillingResult, GearResult, GeneratingResult, Result
 
 
 def write_result(result: Result, stage: Path) -> list[str]:
     """Write all files of a run into a scratch folder; returns what could not be drawn, one line each."""
     if isinstance(result, FlankMillingResult):
         return _write_flank_milling(result, stage)
+    if isinstance(result, GearResult):
+        return _write_gear(result, stage)
     assert isinstance(result, GeneratingResult)
     return _write_generating(result, stage)
 
@@ -59,6 +66,20 @@ def _write_generating(result: GeneratingResult, stage: Path) -> list[str]:
     missing = finish_drawing(drawing, stage, expected)
     figures = generating_summary.summary(result)
     text = generating_report.generating_report(figures, list(result.programs), _drawn(stage), missing)
+    return _write_figures(figures, text, missing, stage)
+
+
+def _write_gear(result: GearResult, stage: Path) -> list[str]:
+    cylindrical_drawing.write_drawing(result, stage / DATA)
+    drawing = start_drawing(stage)
+    parts = {side: map_channels(surface) for side, surface in result.maps.items()}
+    write_exr(parts, result, stage / "deviation.exr")
+    write_parquet([map_columns(surface) for surface in result.maps.values()], result, stage / "samples.parquet")
+    (stage / "program.nc").write_text(result.program, encoding="utf-8")
+    cylindrical_charts.draw_charts(result, stage)
+    missing = finish_drawing(drawing, stage, ["gear.png"])
+    figures = cylindrical_summary.summary(result)
+    text = cylindrical_report.gear_report(figures, _drawn(stage), missing)
     return _write_figures(figures, text, missing, stage)
 
 

@@ -55,17 +55,20 @@ def _add_curve(plotter: Any, points: NDArray) -> None:
 
 
 def _add_tools(plotter: Any, data: dict[str, NDArray]) -> None:
+    for tip, axis in zip(data["tool:tip"][[0, -1]], data["tool:axis"][[0, -1]], strict=True):
+        plotter.add_mesh(tool_skin(data["tool:profile"], tip, axis), color=STEEL, opacity=0.35, smooth_shading=False)
+
+
+def tool_skin(outline: NDArray, tip: NDArray, axis: NDArray) -> Any:
+    """A tool's meridian (r, z) turned about its axis."""
     import pyvista as pv
 
-    outline = data["tool:profile"]
     angles = np.linspace(0.0, 2.0 * np.pi, 97)
-    for tip, axis in zip(data["tool:tip"][[0, -1]], data["tool:axis"][[0, -1]], strict=True):
-        x = np.cross(axis, np.eye(3)[np.argmin(np.abs(axis))])
-        x /= np.linalg.norm(x)
-        radial = np.cos(angles)[:, None] * x + np.sin(angles)[:, None] * np.cross(axis, x)
-        points = tip + outline[:, 1, None, None] * axis + outline[:, 0, None, None] * radial
-        skin = pv.StructuredGrid(*(points[..., None, k] for k in range(3)))
-        plotter.add_mesh(skin, color=STEEL, opacity=0.35, smooth_shading=False)
+    x = np.cross(axis, np.eye(3)[np.argmin(np.abs(axis))])
+    x /= np.linalg.norm(x)
+    radial = np.cos(angles)[:, None] * x + np.sin(angles)[:, None] * np.cross(axis, x)
+    points = tip + outline[:, 1, None, None] * axis + outline[:, 0, None, None] * radial
+    return pv.StructuredGrid(*(points[..., None, k] for k in range(3)))
 
 
 def _look_from_ahead(plotter: Any, surfaces: dict[str, Any], data: dict[str, NDArray]) -> None:

@@ -35,7 +35,7 @@ def write_drawing(result: GeneratingResult, file: Path) -> None:
     piece = np.array([0, (source.pieces - 1) // 2, source.pieces - 1])
     t = np.array([0.0, 0.5 if source.pieces % 2 else 1.0, 1.0])
     pose = source.pose(piece, t, 0)
-    arrays |= {"tool:profile": _outline(cut.cutter), "tool:tip": pose.tip.value, "tool:axis": pose.axis.value}
+    arrays |= {"tool:profile": outline(cut.cutter), "tool:tip": pose.tip.value, "tool:axis": pose.axis.value}
     np.savez(file, allow_pickle=False, **arrays)
 
 
@@ -58,7 +58,7 @@ def _grazing_curves(surface: SurfaceResult) -> NDArray:
     return points.reshape(len(columns), _POINTS, 3)
 
 
-def _outline(cutter: Profile) -> NDArray:
+def outline(cutter: Profile) -> NDArray:
     """The tool's meridian (r, z) [mm] as one line, shape (n, 2)."""
     points = []
     for element in cutter.elements:
