@@ -54,16 +54,15 @@ class Probing:
         n, m, gear = self.profile_z.size * self.roll.size, self.helix_roll.size * self.z.size, self.gear
         um = transverse_um(normal_mm, gear.base_helix_angle)
         along = gear.base_radius * self.roll
-        designed = design or FlankModification()
         profile = GearTraces(
             "profile", self.side, spaces, tuple(map(float, self.profile_z)), along,
             um[:, :n].reshape(len(spaces), -1, self.roll.size), profile_range(float(along[0]), float(along[-1])),
-            transverse_um(designed.profile(gear, self.roll)[0], gear.base_helix_angle),
+            transverse_um(_designed(gear, design, self.roll, self.profile_z[:, None]), gear.base_helix_angle),
         )  # fmt: skip
         helix = GearTraces(
             "helix", self.side, spaces, tuple(float(d) for d in 2.0 * gear.radius(self.helix_roll)), self.z,
             um[:, n : n + m].reshape(len(spaces), -1, self.z.size), helix_range(gear.facewidth, gear.module),
-            transverse_um(designed.lead(gear, self.z)[0], gear.base_helix_angle),
+            transverse_um(_designed(gear, design, self.helix_roll[:, None], self.z), gear.base_helix_angle),
         )  # fmt: skip
         return profile, helix, normal_mm[:, -1]
 
@@ -87,6 +86,15 @@ def probing(gear: CylindricalGear, side: Side, reached: tuple[float, float], poi
         gear, side, np.linspace(root, tip, points), -stations * gear.facewidth,
         np.linspace(-_EDGE, _EDGE - 1.0, points) * gear.facewidth, root + stations * (tip - root),
     )  # fmt: skip
+
+
+def _designed(gear: CylindricalGear, design: FlankModification | None, roll: NDArray, z: NDArray) -> NDArray:
+    """Designed deviations [mm] at rolls and heights that broadcast."""
+    roll, z = np.broadcast_arrays(roll, z)
+    if design is None:
+        return np.zeros(roll.shape)
+    amount: NDArray = design.profile(gear, roll.ravel())[0] + design.lead(gear, z.ravel())[0]
+    return amount.reshape(roll.shape)
 
 
 def all_rays(probed: Probing, spaces: tuple[int, ...]) -> RayBundle:

@@ -82,7 +82,7 @@ class GearTraces:
 
     ``teeth`` (t,): numbers of the spaces, from 0; ``stations`` (k,) [mm]: z of profile traces, diameters of helix
     traces; ``position`` (n,) [mm]: roll lengths R_b xi, or z; ``deviation_um`` (t, k, n): transverse, nan where not
-    measured; ``design_um`` (n,): the designed modification. Raises InputError for shapes that do not fit.
+    measured; ``design_um``, (k, n) or less: the designed modification. Raises InputError for shapes that do not fit.
     """
 
     kind: Literal["profile", "helix"]

@@ -167,3 +167,31 @@ def test_a_tool_too_thick_is_refused():
     thick = scene.tools[0].model_copy(update={"diameter_mm": 12.0})
     with pytest.raises(InputError, match="tool of 12 mm"):
         plan(scene.model_copy(update={"tools": (thick,)}), folder)
+
+
+@pytest.mark.parametrize("name", ["spur-external", "helical-internal"])
+def test_a_crowned_helix_is_cut_to_the_sagitta_of_the_levels(name, device):
+    """Flutes lie on tangents of the crowning: between levels h apart its sagitta 4 a (h / 2 b)² stays, never less."""
+    amount, step = 5e-3, 0.5
+    job = gear_job(name, "surface.modification.helix_crowning_um=5", f"toolpath.finishing.axial_step_mm={step}")
+    found, _ = traces(job, device, one_space(job).blocks)
+    left = 1e3 * 4.0 * amount * (0.5 * step / job.gear.facewidth) ** 2 / cos(job.gear.base_helix_angle)
+    for kind in (found.profile, found.helix):
+        for side in SIDES:
+            um = kind[side].from_design_um
+            assert um.min() > -2e-3
+            assert um.max() < left + 2e-3
+    assert max(found.helix[side].from_design_um.max() for side in SIDES) > 0.5 * left
+
+
+def test_a_relief_between_points_of_the_path_is_met_better_by_finer_steps(device):
+    worst = []
+    for step in (1.0, 0.5, 0.25):
+        job = gear_job(
+            "spur-external", "surface.modification.tip_relief.amount_um=10", f"toolpath.finishing.involute_step_mm={step}",
+            "surface.modification.tip_relief.start_deg=20", "surface.modification.tip_relief.shape=parabolic",
+        )  # fmt: skip
+        found, _ = traces(job, device, one_space(job).blocks)
+        worst.append(max(np.abs(found.profile[side].from_design_um).max() for side in SIDES))
+    assert worst[0] < 0.5
+    assert np.all(np.log2(np.array(worst[:-1]) / worst[1:]) > 1.3)

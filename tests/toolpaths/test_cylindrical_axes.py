@@ -31,6 +31,16 @@ def test_tip_and_axis_come_out_as_asked(machine, tilt):
 
 
 @pytest.mark.parametrize(("machine", "tilt"), CASES, ids=lambda x: getattr(x, "name", None))
+def test_a_lean_is_a_little_more_tilt(machine, tilt):
+    rng = np.random.default_rng(2)
+    heading, tip, lean = rng.uniform(-9.0, 9.0, 20), rng.uniform(-80.0, 80.0, (20, 3)), rng.uniform(-0.01, 0.01, 20)
+    got_tip, got_axis = machine.forward(GearTable(machine, tilt).values(heading, tip, lean))
+    s, c = np.sin(tilt + lean), np.cos(tilt + lean)
+    assert np.allclose(got_tip, tip, rtol=0, atol=1e-11)
+    assert np.allclose(got_axis, np.stack([-np.sin(heading) * s, np.cos(heading) * s, c], axis=-1), rtol=0, atol=1e-12)
+
+
+@pytest.mark.parametrize(("machine", "tilt"), CASES, ids=lambda x: getattr(x, "name", None))
 def test_what_is_linear_in_the_turning_frame_is_linear_in_all_axes(machine, tilt):
     t = np.linspace(0.0, 1.0, 11)
     heading = 3.0 + 2.0 * t

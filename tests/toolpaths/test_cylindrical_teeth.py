@@ -9,8 +9,10 @@ from gearsim.programs.operation import Tool
 from gearsim.surfaces.cylindrical_gear import SIDES
 from gearsim.surfaces.flank_modification import FlankModification
 from gearsim.surfaces.involute import InvoluteFlank
+from gearsim.toolpaths.cylindrical.axes import GearTable
 from gearsim.toolpaths.cylindrical.generation import finish_teeth, rough_teeth
 from gearsim.toolpaths.cylindrical.limits import reached_range
+from gearsim.toolpaths.cylindrical.passes import flank_pass
 from gearsim.toolpaths.cylindrical.settings import Cutting, Finishing, Roughing
 from tests.toolpaths.cylindrical_gears import GEARS, MACHINE, RADIUS, distances, first_space, poses, thesis
 
@@ -185,19 +187,23 @@ def test_the_table_turns_on_without_jumps(gear, finish):
     assert np.allclose(values[spaces : 2 * spaces, 4] - values[:spaces, 4], gear.pitch_angle)
 
 
-def test_a_modification_moves_the_tool_by_what_it_adds():
-    gear, crowned = thesis(15), FlankModification(profile_crowning=0.02, helix_slope=0.01)
-    plain = finish_teeth(gear, MACHINE).blocks
-    bent = finish_teeth(gear, MACHINE, Finishing(modification=crowned)).blocks
-    rows = first_space(finish_teeth(gear, MACHINE), gear)
-    for side, sign in (("right", 1.0), ("left", -1.0)):
-        passes = on_flank(gear, side, finish_teeth(gear, MACHINE))
-        values = plain.values[passes]
-        roll = roll_at(gear, side, values[:, 4] + 0.5 * np.pi, values[:, 2])
-        inside = roll < gear.tip_roll
-        wanted = -0.02 * (2.0 * roll / gear.tip_roll - 1.0) ** 2 + 0.01 * values[:, 2] / -10.0
-        assert np.allclose((sign * (bent.values[passes] - values)[:, 0])[inside], wanted[inside], atol=1e-12)
-    assert len(rows) < len(bent)
+@pytest.mark.parametrize("beta", [0.0, 10.0, -10.0])
+@pytest.mark.parametrize("teeth", [15, -30])
+def test_a_modification_is_touched_by_the_tools_end_and_by_the_flutes_above(teeth, beta):
+    """Linear modifications are touched all along the tool, at its radius from the modified flank's points."""
+    gear = thesis(teeth, beta)
+    bent = FlankModification(profile_slope=0.004, helix_slope=0.01)
+    tool = RADIUS
+    for side in SIDES:
+        low, high = reached_range(gear, side, [-8.0, 0.0], tool, 0.5)
+        rolls = np.linspace(low.max() + 0.06, high.min() - 0.06, 9)
+        made = flank_pass(gear, side, -8.0, rolls, tool, bent)
+        tip, axis = MACHINE.forward(GearTable(MACHINE, gear.base_helix_angle).values(made.heading, made.tip, made.lean))
+        flank = InvoluteFlank(gear, side, 0, bent)
+        for z in (-8.0, -5.0, -1.0):
+            r = flank.jet(rolls - flank.sign * gear.twist * (z + 8.0), np.full(9, z)).r
+            off = r - tip - ((r - tip) * axis).sum(axis=1, keepdims=True) * axis
+            assert np.abs(np.linalg.norm(off, axis=1) - tool).max() < 2e-7
 
 
 def test_finer_steps_and_equal_rolls_make_more_points():

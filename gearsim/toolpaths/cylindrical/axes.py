@@ -37,13 +37,16 @@ class GearTable:
         self._sense  # noqa: B018 - checks the table
         self._still  # noqa: B018 - checks the tilt
 
-    def values(self, heading: ArrayLike, tip: NDArray) -> NDArray:
-        """Axis values (n, k) [mm, rad] for headings (n,) [rad], not wrapped, and tips (n, 3) [mm]."""
+    def values(self, heading: ArrayLike, tip: NDArray, lean: ArrayLike = 0.0) -> NDArray:
+        """Axis values (n, k) [mm, rad] for headings (n,) [rad], not wrapped, and tips (n, 3) [mm].
+
+        ``lean`` (n,) [rad] is added to the tilt.
+        """
         table, tilting = (self.machine.column(joint) for joint in self._rotaries)
         values = np.zeros((len(tip), len(self.machine.axes)))
-        zero, tilted = self._still
+        zero, tilted = self._still[:2]
         values[:, table] = zero + self._sense * np.asarray(heading, dtype=float)
-        values[:, tilting] = tilted
+        values[:, tilting] = tilted + self._tilt_sense * np.asarray(lean, dtype=float)
         return reach_tip(self.machine, values, tip)
 
     def turned(self, values: NDArray, angle: float) -> NDArray:
@@ -82,8 +85,8 @@ class GearTable:
         )
 
     @cached_property
-    def _still(self) -> tuple[float, float]:
-        """The table's value at heading 0 and the tilting axis's, of the branch nearest -45 deg within its limits."""
+    def _still(self) -> tuple[float, float, int]:
+        """The table's value at heading 0, the tilting axis's, and their branch: nearest -45 deg within its limits."""
         lean = self.tilt if abs(sin(self.tilt)) > _LEAN else _LEAN
         zeros = self._turn(lean)[0]
         _, tilts = self._turn(self.tilt)
@@ -96,7 +99,14 @@ class GearTable:
                 f"{np.degrees(joint.lower):.4g} to {np.degrees(joint.upper):.4g} deg"
             )
         best = int(np.argmin(np.where(fits, np.abs(wrap(zeros + 0.25 * pi)), np.inf)))
-        return float(zeros[best]), float(tilts[best])
+        return float(zeros[best]), float(tilts[best]), best
+
+    @cached_property
+    def _tilt_sense(self) -> float:
+        """+1 where the tilting axis turns as the tool's tilt, -1 where against it."""
+        _, still, branch = self._still
+        leaning = self._turn(self.tilt + _LEAN)[1][branch]
+        return float(np.sign(wrap(leaning - still)))
 
     def _turn(self, tilt: float) -> tuple[NDArray, NDArray]:
         """Both branches of table and tilting axis at heading 0."""

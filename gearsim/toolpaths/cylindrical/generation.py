@@ -14,7 +14,7 @@ from gearsim.toolpaths.cylindrical.axes import GearTable
 from gearsim.toolpaths.cylindrical.limits import check_tool, pass_range, stock_layers
 from gearsim.toolpaths.cylindrical.links import visit
 from gearsim.toolpaths.cylindrical.order import every_space
-from gearsim.toolpaths.cylindrical.passes import flank_pass, tool_distance
+from gearsim.toolpaths.cylindrical.passes import flank_pass
 from gearsim.toolpaths.cylindrical.settings import Finishing, Roughing
 from gearsim.toolpaths.cylindrical.steps import descent, roll_points
 from gearsim.toolpaths.cylindrical.track import Track, join
@@ -84,8 +84,7 @@ def _pass(
     inward = (side == "right") != gear.is_internal
     ends = (high, low) if inward else (low, high)
     rolls = roll_points(gear.base_radius, *ends, settings.involute_step, settings.spacing)
-    distance = radius + stock + tool_distance(gear, z, rolls, modification)
-    return flank_pass(gear, side, z, rolls, distance)
+    return flank_pass(gear, side, z, rolls, radius + stock, modification)
 
 
 def _both(right: Track | None, left: Track | None) -> tuple[Track | None, Track | None]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from math import ceil, cos, tan
 
 import numpy as np
@@ -49,7 +50,7 @@ def visit(
     away, back = track(entry.heading[0], down, rapid=True), track(leave.heading[0], up, rapid=True)
     if gear.is_internal:
         away = join(away, entry)
-        back = join(leave, Track(back.heading, back.tip, np.array([False, True]), back.lever))
+        back = join(leave, replace(back, rapid=np.array([False, True])))
     return join(away, right, _around(gear.sign, right, left), left, back)
 
 

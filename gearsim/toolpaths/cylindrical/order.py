@@ -21,7 +21,7 @@ def every_space(gear: CylindricalGear, table: GearTable, space: Track, name: str
     The teeth come last in the order: a space is finished, layer by layer and each layer from top to bottom, before
     the next (Groover 2018, chapter 3). Only the table tells the spaces apart; it goes on turning the same way.
     """
-    values = table.values(space.heading, space.tip)
+    values = table.values(space.heading, space.tip, space.lean)
     moved = np.concatenate([[True], (np.diff(values, axis=0) != 0.0).any(axis=1)])
     values, rapid, lever = values[moved], space.rapid[moved], space.lever[moved]
     seconds = block_seconds(table.machine, values, rapid, lever, table.column, cutting.feed)

@@ -99,7 +99,7 @@ class Roughing(Settings):
 class Finishing(Settings):
     """Tooth finishing by generation (table 5.2); the fields are those of ``Roughing``.
 
-    A ``modification`` is what the tool's end cuts; flutes above it cut with the amount of the tool's end, too.
+    A ``modification`` is cut by the tool's end, the axis leaning along the flank there; hollow ones are overcut above.
     """
 
     cutting: Cutting = FINISH

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from math import asin, pi
 
 import numpy as np
@@ -66,7 +67,7 @@ def _both_walls(gear: CylindricalGear, radius: float, angle: float, tool_radius:
     down = np.array([top, -gear.facewidth - top])
     left = _wall(gear, radius, -1, angle, down, tool_radius)
     right = _wall(gear, radius, 1, angle, down[::-1], tool_radius)
-    return join(Track(left.heading, left.tip, np.array([True, False]), left.lever), right)
+    return join(replace(left, rapid=np.array([True, False])), right)
 
 
 def _wall(gear: CylindricalGear, radius: float, f: int, angle: float, z: NDArray, tool_radius: float) -> Track:

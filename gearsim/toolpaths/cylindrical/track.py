@@ -14,13 +14,15 @@ class Track:
     """Stations of the tool: ``heading`` (n,) [rad] and ``tip`` (n, 3) [mm], workpiece frame; see ``GearTable``.
 
     ``rapid`` (n,) says how a station is reached from the one before. ``lever`` (n,) [mm], times the rate of the
-    heading, bounds the speed of the contact on the way there (0 off the flank).
+    heading, bounds the speed of the contact on the way there (0 off the flank). ``lean`` (n,) [rad] is added to the
+    tilt of the tool's axis.
     """
 
     heading: NDArray[np.floating]
     tip: NDArray[np.floating]
     rapid: NDArray[np.bool_]
     lever: NDArray[np.floating]
+    lean: NDArray[np.floating]
 
     def __len__(self) -> int:
         return len(self.heading)
@@ -33,20 +35,21 @@ class Track:
     def reversed(self) -> Track:
         """The same stations in the opposite order, on a flank."""
         lever = np.concatenate([[0.0], self.lever[:0:-1]])
-        return Track(self.heading[::-1], self.tip[::-1], self.rapid[::-1], lever)
+        return Track(self.heading[::-1], self.tip[::-1], self.rapid[::-1], lever, self.lean[::-1])
 
 
-def track(heading: ArrayLike, tip: NDArray, rapid: bool = False, lever: ArrayLike = 0.0) -> Track:
-    """A track whose stations are all reached in one way; a heading or lever may stand for all."""
+def track(
+    heading: ArrayLike, tip: NDArray, rapid: bool = False, lever: ArrayLike = 0.0, lean: ArrayLike = 0.0
+) -> Track:  # fmt: skip
+    """A track whose stations are all reached in one way; a heading, lever or lean may stand for all."""
     n = len(tip)
-    spread = (np.broadcast_to(np.asarray(x, dtype=float), n) for x in (heading, lever))
-    heading, lever = spread
-    return Track(heading, np.asarray(tip, dtype=float), np.full(n, rapid), lever)
+    heading, lever, lean = (np.broadcast_to(np.asarray(x, dtype=float), n) for x in (heading, lever, lean))
+    return Track(heading, np.asarray(tip, dtype=float), np.full(n, rapid), lever, lean)
 
 
 def join(*tracks: Track) -> Track:
     """Tracks one after the other."""
-    columns = zip(*((t.heading, t.tip, t.rapid, t.lever) for t in tracks), strict=True)
+    columns = zip(*((t.heading, t.tip, t.rapid, t.lever, t.lean) for t in tracks), strict=True)
     return Track(*(np.concatenate(column) for column in columns))
 
 
