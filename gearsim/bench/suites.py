@@ -15,6 +15,7 @@ from gearsim.bench.code import code
 from gearsim.bench.end_to_end import end_to_end
 from gearsim.bench.envelope import envelope
 from gearsim.bench.goals import goals
+from gearsim.bench.gouging import gouging
 from gearsim.bench.peers import peers
 from gearsim.bench.program import program
 from gearsim.bench.removal import removal
@@ -28,7 +29,7 @@ Suite = Callable[[str, str], dict[str, Any]]
 SIZES = ("small", "large")
 SUITES: dict[str, Suite] = {
     "removal": removal, "envelope": envelope, "end-to-end": end_to_end, "goals": goals, "scaling": scaling,
-    "peers": peers, "code": code, "program": program,
+    "peers": peers, "code": code, "program": program, "gouging": gouging,
 }  # fmt: skip
 
 

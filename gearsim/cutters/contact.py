@@ -44,12 +44,22 @@ class Contact(NamedTuple):
         return np.minimum(self.uphill, self.downhill)
 
 
+class Approach(NamedTuple):
+    """How axes stand to normals, whatever the cutter: ``theta`` [rad] (...), unit ``out`` and ``uphill`` (..., 3).
+
+    ``out`` points across the axis, from it to the contact.
+    """
+
+    theta: NDArray
+    out: NDArray
+    uphill: NDArray
+
+
 class Location(NamedTuple):
-    """A cutter placed at contact points: ``tip`` (..., 3) [mm], ``theta`` (...), ``uphill`` (..., 3), ``contact``."""
+    """A cutter placed at contact points: its tip (..., 3) [mm], how it stands to the part, and where it touches."""
 
     tip: NDArray
-    theta: NDArray
-    uphill: NDArray
+    approach: Approach
     contact: Contact
 
 
@@ -98,11 +108,21 @@ def locate(
 ) -> Location:
     """The cutter's location (CL) at contact points (CC) [mm] with unit normals out of the material, shape (..., 3).
 
-    ``axis``: unit axes away from the tip, (3,) or (..., 3). ``toward``: where normal and axis agree, the direction
-    from the axis to the contact, (3,) or (..., 3); left out, some direction across the axis. Raises InputError for
-    a cutter that is not convex.
+    ``axis``, ``toward``: see `approach`. Raises InputError for a cutter that is not convex.
     """
-    p, n, a = np.broadcast_arrays(*(np.asarray(x, dtype=float) for x in (point, normal, axis)))
+    seen = approach(normal, axis, toward)
+    contact = contact_at(cutter, seen.theta)
+    tip = point - contact.r[..., None] * seen.out - contact.z[..., None] * np.asarray(axis, dtype=float)
+    return Location(tip, seen, contact)
+
+
+def approach(normal: NDArray, axis: ArrayLike = (0.0, 0.0, 1.0), toward: ArrayLike | None = None) -> Approach:
+    """Contact angles and tangents for unit normals out of the material, shape (..., 3).
+
+    ``axis``: unit axes away from the tip, (3,) or (..., 3). ``toward``: where normal and axis agree, the direction
+    from the axis to the contact, (3,) or (..., 3); left out, some direction across the axis.
+    """
+    n, a = np.broadcast_arrays(np.asarray(normal, dtype=float), np.asarray(axis, dtype=float))
     height = _dot(n, a)[..., None]
     out = height * a - n
     sine = np.linalg.norm(out, axis=-1)
@@ -111,14 +131,7 @@ def locate(
     out = np.where((sine > ANGLE)[..., None], out, given)
     out = out / np.linalg.norm(out, axis=-1, keepdims=True)
     theta = np.arctan2(sine, height[..., 0])
-    contact = contact_at(cutter, theta)
-    tip = p - contact.r[..., None] * out - contact.z[..., None] * a
-    return Location(tip, theta, uphill_direction(theta, out, a), contact)
-
-
-def uphill_direction(theta: NDArray, out: NDArray, axis: NDArray) -> NDArray:
-    """The tangent along the tool's meridian away from the tip, (..., 3), for the direction ``out`` to the contact."""
-    return np.cos(theta)[..., None] * out + np.sin(theta)[..., None] * axis
+    return Approach(theta, out, np.cos(theta)[..., None] * out + np.sin(theta)[..., None] * a)
 
 
 def across(axis: NDArray) -> NDArray:

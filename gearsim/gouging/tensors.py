@@ -15,7 +15,6 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from gearsim.cutters.contact import Contact
-from gearsim.geometry.jets import Curvature
 
 
 @dataclass(frozen=True)
@@ -52,23 +51,6 @@ def principal_tensor(k_max: ArrayLike, k_min: ArrayLike, alpha0: ArrayLike = 0.0
     return Tensor(mean + along, beside, mean - along)
 
 
-def curvature_tensor(curvature: Curvature, normal: NDArray, e1: NDArray, orientation: float = 1.0) -> Tensor:
-    """A surface's tensor in the basis (e1, n x e1), both arguments of shape (..., 3), unit and orthogonal.
-
-    ``normal`` points towards the tool; ``orientation`` is -1 where the curvatures belong to the other normal.
-    Repairs Khan (6.16): an arccos would mirror every second surface.
-    """
-    e2 = np.cross(normal, e1)
-    p1, q1 = _dot(e1, curvature.direction1), _dot(e2, curvature.direction1)
-    p2, q2 = _dot(e1, curvature.direction2), _dot(e2, curvature.direction2)
-    k1, k2 = orientation * curvature.k1, orientation * curvature.k2
-    return Tensor(k1 * p1 * p1 + k2 * p2 * p2, k1 * p1 * q1 + k2 * p2 * q2, k1 * q1 * q1 + k2 * q2 * q2)
-
-
 def tool_tensor(contact: Contact) -> Tensor:
     """A tool's tensor in the basis (uphill, n x uphill), with the weaker of the meridian's two curvatures."""
     return Tensor(contact.weaker, np.zeros_like(contact.around), contact.around)
-
-
-def _dot(a: NDArray, b: NDArray) -> NDArray:
-    return np.einsum("...i,...i->...", a, b)
