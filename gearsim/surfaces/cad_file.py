@@ -19,6 +19,7 @@ from gearsim.errors import InputError
 CAD_SUFFIXES = (".igs", ".iges", ".stp", ".step")
 _LIMIT_S = 600.0
 _SECTIONS = "SGDPT"
+_NUMBER = re.compile(r"([+-]?(\d+\.?\d*|\.\d+)([EeDd][+-]?\d+)?)?")
 
 
 def read_cad(file: Path) -> list[dict[str, Any]]:
@@ -76,6 +77,25 @@ def _check_iges(text: str, name: str) -> None:
         raise InputError(f"{name}: the file ends after line {len(lines)} without its T section: it is cut off")
     if not any(line[72] == "D" for line in lines):
         raise InputError(f"{name}: no entities; expected B-spline surfaces (entity 128)")
+    _check_numbers(lines, name)
+
+
+def _check_numbers(lines: list[str], name: str) -> None:
+    """Numbers only in entity 128, written as IGES wants them: Open CASCADE takes others for 0."""
+    head = "".join(line[:72] for line in lines if line[72] == "G")
+    first = re.match(r"1H(.)\1(?:1H(.))?", head)
+    comma, end = (first[1], first[2] or ";") if first else (",", ";")
+    pointer, wanted = "", False
+    for number, line in enumerate(lines, 1):
+        if line[72] != "P":
+            continue
+        if line[64:72] != pointer:
+            pointer, wanted = line[64:72], line.split(comma)[0].strip() == "128"
+        values, *rest = line[:64].split(end)
+        for value in values.split(comma) if wanted else []:
+            if not _NUMBER.fullmatch(value.strip()):
+                raise InputError(f"{name}, line {number}: entity 128 wants numbers, got {value.strip()!r}")
+        wanted = wanted and not rest
 
 
 def _check_step(text: str, name: str) -> None:

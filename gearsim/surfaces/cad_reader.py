@@ -31,12 +31,30 @@ def faces(file: Path) -> Iterator[Any]:
     Interface_Static.SetIVal_s("read.iges.bspline.continuity", 0)  # surfaces with edges inside stay whole
     if reader.ReadFile(str(file)) != IFSelect_ReturnStatus.IFSelect_RetDone:
         sys.exit("Open CASCADE finds it damaged")
+    failures = list(damaged(reader.WS(), step))
+    if failures:
+        sys.exit("; ".join(failures[:3]))
     if not reader.TransferRoots():
         sys.exit("it has no shape that Open CASCADE can build; expected B-spline surfaces")
     explorer = TopExp_Explorer(reader.OneShape(), TopAbs_ShapeEnum.TopAbs_FACE)
     while explorer.More():
         yield TopoDS.Face(explorer.Current())
         explorer.Next()
+
+
+def damaged(session: Any, step: bool) -> Iterator[str]:
+    """What is wrong with a STEP file's syntax or with geometry: the reader itself only leaves such entities out."""
+    checks, model = session.ModelCheckList(), session.Model()
+    checks.Start()
+    while checks.More():
+        number, check = checks.Number(), checks.Value()
+        entity: Any = model.Value(number) if number else None
+        kind = entity.DynamicType().Name() if number else ""
+        if check.NbFails() and (kind.startswith(("IGESGeom", "StepGeom")) or (step and not number)):
+            where = f"entity {entity.TypeNumber()}, D line {model.DNum(entity)}: " if kind.startswith("IGES") else ""
+            where = f"{kind.removeprefix('StepGeom_')}: " if kind.startswith("Step") else where
+            yield where + "; ".join(check.CFail(k).replace(" %d", "") for k in range(1, check.NbFails() + 1))
+        checks.Next()
 
 
 def b_spline(face: Any) -> Any:
