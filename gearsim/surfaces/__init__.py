@@ -1,1 +1,1 @@
-"""Intended surfaces: gear blanks and teeth in closed form."""
+"""Intended surfaces: gear blanks and teeth in closed form, sculptured parts as NURBS and their files."""
