@@ -97,14 +97,18 @@ def _decimals(lines: list[dict[str, Any]]) -> list[str]:
 
 def _workshop(lines: list[dict[str, Any]]) -> list[str]:
     said = [
-        f"A {cause} of {_amount(line)} moves the flanks by up to {size(line['largest_um'])}, {size(line['mean_um'])} on average; "
-        f"F_alpha {size(line['parameters_um'].get('F_alpha'))}, F_beta {size(line['parameters_um'].get('F_beta'))}."
+        f"A {cause} of {_amount(line)} moves the flanks by up to {size(line['largest_um'])}, "
+        f"{size(line['mean_um'])} on average; {_alone(line, 'F_alpha')}, {_alone(line, 'F_beta')}."
         for cause in ("tool radius", "tool runout", "pivot offset")
         for line in _of(lines, cause)
     ]
     said += [
-        f"A mounting eccentricity of {_amount(line)} makes F_p "
-        f"{size(line['parameters_um'].get('F_p'))} and a runout F_r of {size(line['runout_um'])}."
+        f"A mounting eccentricity of {_amount(line)} makes {_alone(line, 'F_p')} and a runout F_r of "
+        f"{size(line['runout_um'])}."
         for line in _of(lines, "mounting eccentricity")
     ]
     return said
+
+
+def _alone(line: dict[str, Any], name: str) -> str:
+    return f"{name} {size(line['parameters_um'].get(name))}"

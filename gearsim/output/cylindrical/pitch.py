@@ -10,7 +10,7 @@ import numpy as np
 
 from gearsim.metrology.gear_pitch import PitchResult, Runout
 from gearsim.output.charts import pyplot
-from gearsim.output.cylindrical.style import BAND, LIMIT, OUT, SIDE_COLOURS, SYMBOLS, Unit, plain, unit_for
+from gearsim.output.cylindrical.style import BAND, LIMIT, NOISE_UM, OUT, SIDE_COLOURS, SYMBOLS, Unit, plain, unit_for
 from gearsim.surfaces.cylindrical_gear import SIDES, Side
 
 _BAND_LIMIT = 3.0
@@ -43,7 +43,7 @@ def draw_pitch_panels(
             draw(axis, um, unit, side, tolerances_um[name])
             found = pitch[side].single if name == "f_p" else pitch[side].total
             _labels(axis, f"{side} flanks, {what}: {SYMBOLS[name]}", found, unit, tolerances_um[name], font)
-        _same_scale(row)
+        _same_scale(row, unit.per_um * NOISE_UM)
     for axis in axes[1]:
         axis.set_xlabel("space", fontsize=font)
 
@@ -77,7 +77,7 @@ def _line(axis: Any, um: Any, unit: Unit, side: Side, tolerance: float) -> None:
         low, high = y.min(), y.max()
         if limit <= _BAND_LIMIT * (high - low):
             axis.axhspan(0.5 * (low + high - limit), 0.5 * (low + high + limit), color=BAND, lw=0)
-        for level in (low, high):
+        for level in (low, high) if high - low > unit.per_um * NOISE_UM else ():
             axis.axhline(level, color=LIMIT, lw=0.7, ls=":")
     axis.plot(np.arange(1, len(y) + 1), y, "o-", color=SIDE_COLOURS[side], lw=1.2, ms=3.5)
     axis.axhline(0.0, color="0.3", lw=0.7)
@@ -90,8 +90,8 @@ def _number_spaces(axis: Any, count: int) -> None:
     axis.set_xlim(0.3, count + 0.7)
 
 
-def _same_scale(axes: Sequence[Any]) -> None:
-    """Give panels one range of values, with a little room."""
-    low, high = min(a.get_ylim()[0] for a in axes), max(a.get_ylim()[1] for a in axes)
+def _same_scale(axes: Sequence[Any], least: float) -> None:
+    """Give panels one range of values, with a little room, at least from -``least`` to ``least``."""
+    low, high = min(-least, *(a.get_ylim()[0] for a in axes)), max(least, *(a.get_ylim()[1] for a in axes))
     for axis in axes:
         axis.set_ylim(low, high)

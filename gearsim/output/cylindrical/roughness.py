@@ -10,7 +10,7 @@ import numpy as np
 
 from gearsim.metrology.roughness import Roughness
 from gearsim.output.charts import pyplot
-from gearsim.output.cylindrical.style import BAND, LIMIT, MEAN, TRACE, Unit, plain, unit_for
+from gearsim.output.cylindrical.style import BAND, LIMIT, MEAN, NOISE_UM, TRACE, Unit, plain, unit_for
 
 
 def draw_roughness(traces: Mapping[str, Roughness], title: str, file: Path) -> None:
@@ -63,6 +63,9 @@ def _numbers(trace: Roughness) -> str:
 
 def _dress(axis: Any, trace: Roughness, unit: Unit) -> None:
     axis.axhline(0.0, color="0.4", lw=0.6)
+    low, high = axis.get_ylim()
+    least = unit.per_um * NOISE_UM
+    axis.set_ylim(min(low, -least), max(high, least))
     axis.set_xlim(trace.position[0], trace.position[-1])
     axis.set_ylabel(f"height [{unit.name}]", fontsize=9)
     plain(axis)

@@ -36,10 +36,10 @@ class Unit:
 
 
 def unit_for(values_um: ArrayLike) -> Unit:
-    """Nanometres where all values are below 0.1 um, else micrometres."""
+    """Nanometres where all values are below a micrometre, else micrometres."""
     largest = max(float(np.nanmax(np.abs(values_um), initial=0.0)), NOISE_UM)
-    name, per_um = ("nm", 1e3) if largest < 0.1 else ("µm", 1.0)
-    return Unit(name, per_um, int(np.clip(2 - floor(log10(largest * per_um)), 0, 3)))
+    name, per_um = ("nm", 1e3) if largest < 1.0 else ("µm", 1.0)
+    return Unit(name, per_um, int(np.clip(2 - floor(log10(largest * per_um)), 0, 2)))
 
 
 def round_below(value: float) -> float:

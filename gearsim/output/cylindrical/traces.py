@@ -250,4 +250,4 @@ def _axis_labels(axis: Any, traces: GearTraces, gear: CylindricalGear, font: flo
 
 def _round_ticks(low: float, high: float) -> NDArray:
     step = round_below((high - low) / 4.0)
-    return np.arange(np.ceil(low / step - 1e-9), high / step + 1e-9) * step
+    return np.arange(np.ceil(low / step - 1e-9), high / step + 1e-9) * step + 0.0

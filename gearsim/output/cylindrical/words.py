@@ -11,13 +11,13 @@ from gearsim.output.cylindrical.style import NOISE_UM
 
 
 def size(um: float | None) -> str:
-    """A deviation [um] with three digits, in nm below 0.1 um; a dash where there is none."""
+    """A deviation [um] with three digits, in nm below a micrometre; a dash where there is none."""
     if um is None or not np.isfinite(um):
         return "–"
     if abs(um) < NOISE_UM:
         return "0"
-    value, unit = (1e3 * um, "nm") if abs(um) < 0.1 else (um, "µm")
-    decimals = int(np.clip(2 - floor(log10(abs(value))), 0, 3))
+    value, unit = (1e3 * um, "nm") if abs(um) < 1.0 else (um, "µm")
+    decimals = int(np.clip(2 - floor(log10(abs(value))), 0, 2))
     return f"{value:.{decimals}f} {unit}".replace("-", "−")
 
 
