@@ -64,6 +64,11 @@ class FlankModification:
                     f"{name} must start within the flank's roll, {low:.6g} to {high:.6g} rad, got {relief.start:g}"
                 )
 
+    @property
+    def kinks(self) -> tuple[float, ...]:
+        """Rolls [rad] at which reliefs begin."""
+        return tuple(relief.start for relief in (self.tip_relief, self.root_relief) if relief is not None)
+
     def profile(self, gear: CylindricalGear, roll: NDArray) -> NDArray:
         """The part that depends on roll [rad], shape (n,), with its first and second derivative: shape (3, n)."""
         root, tip = gear.root_roll, gear.tip_roll

@@ -171,11 +171,11 @@ def test_a_tool_too_thick_is_refused():
 
 @pytest.mark.parametrize("name", ["spur-external", "helical-internal"])
 def test_a_crowned_helix_is_cut_to_the_sagitta_of_the_levels(name, device):
-    """Flutes lie on tangents of the crowning: between levels h apart its sagitta 4 a (h / 2 b)² stays, never less."""
+    """Flutes lie on tangents of the crowning: from a level h below, 4 a (h / b)² stays at the top, never less."""
     amount, step = 5e-3, 0.5
     job = gear_job(name, "surface.modification.helix_crowning_um=5", f"toolpath.finishing.axial_step_mm={step}")
     found, _ = traces(job, device, one_space(job).blocks)
-    left = 1e3 * 4.0 * amount * (0.5 * step / job.gear.facewidth) ** 2 / cos(job.gear.base_helix_angle)
+    left = 1e3 * 4.0 * amount * (step / job.gear.facewidth) ** 2 / cos(job.gear.base_helix_angle)
     for kind in (found.profile, found.helix):
         for side in SIDES:
             um = kind[side].from_design_um
@@ -188,10 +188,23 @@ def test_a_relief_between_points_of_the_path_is_met_better_by_finer_steps(device
     worst = []
     for step in (1.0, 0.5, 0.25):
         job = gear_job(
-            "spur-external", "surface.modification.tip_relief.amount_um=10", f"toolpath.finishing.involute_step_mm={step}",
-            "surface.modification.tip_relief.start_deg=20", "surface.modification.tip_relief.shape=parabolic",
-        )  # fmt: skip
+            "spur-external",
+            f"toolpath.finishing.involute_step_mm={step}",
+            "surface.modification.tip_relief.amount_um=10",
+            "surface.modification.tip_relief.start_deg=20",
+            "surface.modification.tip_relief.shape=parabolic",
+        )
         found, _ = traces(job, device, one_space(job).blocks)
         worst.append(max(np.abs(found.profile[side].from_design_um).max() for side in SIDES))
-    assert worst[0] < 0.5
+    assert worst[0] < 0.7
     assert np.all(np.log2(np.array(worst[:-1]) / worst[1:]) > 1.3)
+
+
+def test_a_linear_relief_is_exact_on_both_sides_of_its_kink(device):
+    relief = ("amount_um=10", "start_deg=20", "shape=linear")
+    job = gear_job("spur-external", *(f"surface.modification.tip_relief.{key}" for key in relief))
+    found, _ = traces(job, device, one_space(job).blocks)
+    for side in SIDES:
+        off = np.abs(found.profile[side].from_design_um)
+        assert np.median(off) < 1e-4
+        assert off.max() < 0.02

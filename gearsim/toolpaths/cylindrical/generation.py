@@ -16,7 +16,7 @@ from gearsim.toolpaths.cylindrical.links import visit
 from gearsim.toolpaths.cylindrical.order import every_space
 from gearsim.toolpaths.cylindrical.passes import flank_pass
 from gearsim.toolpaths.cylindrical.settings import Finishing, Roughing
-from gearsim.toolpaths.cylindrical.steps import descent, roll_points
+from gearsim.toolpaths.cylindrical.steps import descent, roll_points, with_points
 from gearsim.toolpaths.cylindrical.track import Track, join
 
 ROUGHING = Roughing()
@@ -84,6 +84,8 @@ def _pass(
     inward = (side == "right") != gear.is_internal
     ends = (high, low) if inward else (low, high)
     rolls = roll_points(gear.base_radius, *ends, settings.involute_step, settings.spacing)
+    if modification is not None:
+        rolls = with_points(rolls, modification.kinks)
     return flank_pass(gear, side, z, rolls, radius + stock, modification)
 
 

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from math import cos, sin
+from math import cos
 
 import numpy as np
 from numpy.typing import NDArray
 
-from gearsim.surfaces.cylindrical_gear import CylindricalGear, Side, flank_sign
+from gearsim.surfaces.cylindrical_gear import CylindricalGear, Side
 from gearsim.surfaces.flank_modification import FlankModification
+from gearsim.surfaces.involute import InvoluteFlank
 from gearsim.toolpaths.cylindrical.track import Track, track
 
 
@@ -16,44 +17,35 @@ def flank_pass(
     gear: CylindricalGear, side: Side, z: float, rolls: NDArray, distance: float,
     modification: FlankModification | None = None,
 ) -> Track:  # fmt: skip
-    """Stations in space 0 at rolls (n,) [rad] of the tool's end, its axis ``distance`` [mm] from the flank along n.
+    """Stations in space 0 at rolls (n,) [rad] of the tool's end, its axis ``distance`` [mm] from the flank.
 
     The heading is theta = f xi + Lambda and the tip P + d n = R_b e + (f R_b xi + f s d cos beta_b) t + ..., with
     e = (cos theta, sin theta) and t = (sin theta, -cos theta): both linear in xi, so that with all axes linear in
     time the flank between two stations is the exact involute.
 
-    On a modified flank the tool's end stands on its amount, and the axis leans along with its slope along the contact
-    line: flutes above must not cut with the amount of the end. n lies in the plane in which the tool tilts.
+    On a modified flank the tool's end stands on its amount, and the axis leans with its slope along the contact line:
+    flutes above must not cut with the amount of the end. The slope along the profile (which is infinite at the base
+    circle) does not move the contact: that leaves the tool's radius times half its square, nanometres.
+    Beyond the flank a modification goes on.
     """
-    f, s = flank_sign(side), gear.sign
-    amount, slope = _modified(gear, f, z, rolls, modification)
-    toward = np.arctan(slope)
-    tilt = gear.base_helix_angle - f * s * toward
-    heading = f * rolls + gear.space_centre(0, z) + s * f * gear.space_half_angle
-    away = [amount * cos(gear.base_helix_angle) + distance * np.cos(tilt),
-            amount * sin(gear.base_helix_angle) + distance * np.sin(tilt)]  # fmt: skip
-    along = f * (gear.base_radius * rolls + s * away[0])
-    e, t = (np.cos(heading), np.sin(heading)), (np.sin(heading), -np.cos(heading))
-    x, y = (gear.base_radius * e[i] + along * t[i] for i in range(2))
-    tip = np.stack([x, y, z + f * s * away[1]], axis=-1)
-    return track(heading, tip, lever=_levers(gear, f, z, rolls), lean=-f * s * toward)
+    flank, level = InvoluteFlank(gear, side), np.full(rolls.shape, z)
+    heading, pure = flank.theta(rolls, z), flank.jet(rolls, level)
+    amount, slope = _modified(gear, flank.sign, z, rolls, modification)
+    lean = np.arctan(slope)
+    standing = np.cos(lean)[:, None] * pure.normal - np.sin(lean)[:, None] * flank.axis(rolls, level)
+    tip = pure.r + amount[:, None] * pure.normal + distance * standing
+    return track(heading, tip, lever=_levers(gear, flank.sign, z, rolls), lean=-flank.sign * gear.sign * lean)
 
 
 def _modified(
     gear: CylindricalGear, f: int, z: float, rolls: NDArray, modification: FlankModification | None
 ) -> tuple[NDArray, NDArray]:
-    """A modification's amounts [mm] at the tool's end, (n,), and their slopes along the contact line, upward.
-
-    Beyond the flank it goes on as at its ends.
-    """
+    """A modification's amounts [mm] at the tool's end, (n,), and their slopes along the contact line, upward."""
     if modification is None:
         return np.zeros(rolls.shape), np.zeros(rolls.shape)
-    low, high = sorted((gear.root_roll, gear.tip_roll))
-    inside = np.clip(rolls, low, high)
-    profile = modification.profile(gear, inside)
+    profile = modification.profile(gear, rolls)
     lead = modification.lead(gear, np.full(rolls.shape, z))
-    rising = np.where(inside == rolls, profile[1], 0.0)
-    return profile[0] + lead[0], cos(gear.base_helix_angle) * (lead[1] - f * gear.twist * rising)
+    return profile[0] + lead[0], cos(gear.base_helix_angle) * (lead[1] - f * gear.twist * profile[1])
 
 
 def _levers(gear: CylindricalGear, f: int, z: float, rolls: NDArray) -> NDArray:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from math import ceil
 from typing import Literal
 
@@ -24,6 +25,13 @@ def roll_points(base_radius: float, start: float, end: float, step: float, spaci
     rolls = np.sqrt(np.linspace(start * start, end * end, count + 1))
     rolls[[0, -1]] = start, end
     return rolls
+
+
+def with_points(rolls: NDArray, wanted: Sequence[float]) -> NDArray:
+    """Rolls that rise or fall, with those of the ``wanted`` ones between their ends."""
+    between = [w for w in wanted if min(rolls[0], rolls[-1]) < w < max(rolls[0], rolls[-1])]
+    every = np.unique(np.concatenate([rolls, between]))
+    return every if rolls[0] <= rolls[-1] else every[::-1]
 
 
 def parts(length: float, step: float) -> int:
