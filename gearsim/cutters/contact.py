@@ -73,7 +73,7 @@ def end_mill_contact(shank_radius: ArrayLike, corner_radius: ArrayLike, theta: A
     at_bottom, on_shank = angle <= ANGLE, np.abs(angle - 0.5 * np.pi) <= ANGLE
     radius = big - small + small * sine
     is_ball = (small == big) & (big > 0.0)
-    with np.errstate(divide="ignore", invalid="ignore"):
+    with np.errstate(divide="ignore", over="ignore", invalid="ignore"):
         corner = 1.0 / small
         around = np.where(is_ball, corner, sine / radius)
     uphill = np.where(on_shank, 0.0, corner)
@@ -91,8 +91,8 @@ def contact_at(cutter: Profile, theta: ArrayLike) -> Contact:
     """
     if not cutter.is_convex:
         raise InputError(f"cutter {cutter.name!r} is not convex: one direction of the normal may have several contacts")
-    angle = np.asarray(theta, dtype=float)
-    columns = np.full((5, *angle.shape), np.nan)
+    shape, angle = np.shape(theta), np.ravel(np.asarray(theta, dtype=float))
+    columns = np.full((5, angle.size), np.nan)
     _fill_edges(columns, cutter.elements, angle)
     for i, e in enumerate(cutter.elements):
         if e.is_arc:
@@ -100,7 +100,7 @@ def contact_at(cutter: Profile, theta: ArrayLike) -> Contact:
     for i, e in enumerate(cutter.elements):
         if not e.is_arc:
             _fill_line(columns, cutter.elements, i, angle)
-    return Contact(*columns)
+    return Contact(*columns.reshape(5, *shape))
 
 
 def locate(
@@ -186,7 +186,7 @@ def _fill_arc(columns: NDArray, elements: tuple[Element, ...], i: int, angle: ND
     columns[0][mine], columns[1][mine] = r, e.centre[1] - e.radius * np.cos(at)
     columns[2][mine] = np.where(at >= last - ANGLE, _beside(elements, i, 1), k)
     columns[3][mine] = np.where(at <= first + ANGLE, _beside(elements, i, -1), k)
-    with np.errstate(divide="ignore", invalid="ignore"):
+    with np.errstate(divide="ignore", over="ignore", invalid="ignore"):
         columns[4][mine] = k if centre == 0.0 else np.sin(at) / r
 
 

@@ -58,7 +58,7 @@ def largest_shank(corner: ArrayLike, theta: ArrayLike, part: Tensor) -> NDArray:
     R = r + sin(theta) (1/kappa - r). On the shank 1/r gives way to 0, on a flat bottom k_max = k_min = 0.
     """
     r, angle, a, b, c = np.broadcast_arrays(corner, theta, part.a, part.b, part.c)
-    with np.errstate(divide="ignore", invalid="ignore"):
+    with np.errstate(divide="ignore", over="ignore", invalid="ignore"):
         along = np.where(np.abs(angle - 0.5 * np.pi) <= ANGLE, 0.0, 1.0 / np.asarray(r, dtype=float))
         room = along - a
         coupling = np.where(b == 0.0, 0.0, b * b / room)
@@ -89,7 +89,8 @@ def largest_mills(mills: NDArray, theta: NDArray, part: Tensor) -> Choice:
 def largest_joint_mill(mills: NDArray, theta: NDArray, part: Tensor) -> JointChoice:
     """The first mill of a catalogue that fits at all contacts at once.
 
-    Khan takes the least R and the least r over the contacts (7.3 end), which may gouge: k_min falls with r.
+    Khan takes the least R and the least r over the contacts (7.3 end), which may gouge: k_min falls with r. A contact
+    that no mill has (theta above 90 deg, no curvature) leaves none: leave such points out.
     """
     limiting, worst = -1, np.nan
     for i, (shank, corner) in enumerate(mills):
