@@ -13,8 +13,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gearsim.gouging.compare import TIE
-from gearsim.gouging.sizes import least_difference
-from gearsim.gouging.standard_mills import KHAN_CORNER_LEAST, KHAN_CORNER_STEP, KHAN_RADII
+from gearsim.gouging.sizes import JointChoice, largest_joint_mill, least_difference
+from gearsim.gouging.standard_mills import KHAN_CORNER_LEAST, KHAN_CORNER_STEP, KHAN_RADII, khan_mills
 from gearsim.gouging.tensors import Tensor
 
 
@@ -56,6 +56,27 @@ def khan_mill(theta: NDArray, part: Tensor, radii: tuple[float, ...] = KHAN_RADI
 def khan_joint(choice: KhanChoice) -> tuple[float, float]:
     """His tool for a surface: the least R and the least r over all contacts [mm]; nan where a contact has none."""
     return float(np.min(choice.shank)), float(np.min(choice.corner))
+
+
+class SideBySide(NamedTuple):
+    """One mill for all contacts: Khan's R and r [mm], where and how it is closest to gouging; and the true optimum.
+
+    ``limiting``, ``least``: the contact and its least f [1/mm], below 0 where Khan's mill gouges.
+    """
+
+    khan: tuple[float, float]
+    limiting: int
+    least: float
+    best: JointChoice
+
+
+def beside_best(theta: NDArray, part: Tensor, mills: NDArray | None = None) -> SideBySide:
+    """Khan's mill for a surface beside the largest of a catalogue (R, r) that gouges nowhere; his own if none given."""
+    khan = khan_joint(khan_mill(theta, part))
+    f = least_difference(*khan, theta, part)
+    limiting = int(np.argmin(f))
+    best = largest_joint_mill(khan_mills() if mills is None else mills, theta, part)
+    return SideBySide(khan, limiting, float(f[limiting]), best)
 
 
 def _lowered(shank: float, start: NDArray, theta: NDArray, part: Tensor) -> NDArray:

@@ -27,7 +27,10 @@ class Choice(NamedTuple):
 
 
 class JointChoice(NamedTuple):
-    """One mill for all contacts: row (-1: none fits), R and r [mm], and the contact it is closest to gouging at."""
+    """One mill for all contacts: row, R and r [mm], and the contact it is closest to gouging at.
+
+    Row -1, nan where none fits: ``limiting`` and ``least`` are then those of the catalogue's last.
+    """
 
     row: int
     shank: float
@@ -92,8 +95,11 @@ def largest_joint_mill(mills: NDArray, theta: NDArray, part: Tensor) -> JointCho
     Khan takes the least R and the least r over the contacts (7.3 end), which may gouge: k_min falls with r. A contact
     that no mill has (theta above 90 deg, no curvature) leaves none: leave such points out.
     """
-    limiting, worst = -1, np.nan
+    limiting = 0
     for i, (shank, corner) in enumerate(mills):
+        last = i == len(mills) - 1
+        if not last and least_difference(shank, corner, theta[limiting], part[limiting]) < -TIE:
+            continue  # the contact that stopped a larger mill stops this one too
         f = least_difference(shank, corner, theta, part)
         limiting = int(np.argmin(f))
         worst = float(f[limiting])
@@ -105,5 +111,5 @@ def largest_joint_mill(mills: NDArray, theta: NDArray, part: Tensor) -> JointCho
 def _on_bottom(corner: NDArray, part: Tensor) -> NDArray:
     """At theta = 0: any disc where the part is not concave, else only a ball (R = r)."""
     high = part.principal()[0]
-    ball = np.where(corner * high <= 1.0 + TIE * corner, corner, np.nan)
+    ball = np.where((corner > 0.0) & (corner * high <= 1.0 + TIE * corner), corner, np.nan)
     return np.where(high <= TIE, np.inf, ball)

@@ -6,8 +6,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from gearsim.bench.gouging import waves
-from gearsim.gouging.khan_sizes import khan_joint, khan_mill
-from gearsim.gouging.sizes import largest_ball, largest_joint_mill, largest_mills, largest_shank, least_difference
+from gearsim.gouging.khan_sizes import beside_best
+from gearsim.gouging.sizes import largest_ball, largest_mills, largest_shank, least_difference
 from gearsim.gouging.standard_mills import khan_mills, metric_mills, ranked
 from gearsim.gouging.surface import largest_mill_map, surface_contacts
 from gearsim.gouging.tensors import Tensor, principal_tensor
@@ -85,16 +85,20 @@ def test_the_chosen_mill_is_the_first_that_fits():
 
 
 def test_the_joint_mill_fits_everywhere_and_khans_need_not():
-    """Two points: one limits r, the other R; the least of both fits neither of them: k_min falls with r."""
+    """Two points: one limits r, the other R; the least of both gouges: k_min falls with r."""
     theta = np.array([0.1, 0.1])
     part = principal_tensor([0.24, 0.121], [-0.2, 0.0], [0.0, 0.5 * np.pi])
-    khan = khan_joint(khan_mill(theta, part))
-    best = largest_joint_mill(khan_mills(), theta, part)
-    assert khan == (8.0, pytest.approx(1.0 / 0.24))
-    assert least_difference(*khan, theta, part).min() < -0.01
-    assert best.row == -1 or least_difference(best.shank, best.corner, theta, part).min() >= -1e-9
+    found = beside_best(theta, part)
+    assert found.khan == (8.0, pytest.approx(1.0 / 0.24))
+    assert found.limiting == 1
+    assert found.least < -0.01
+    assert least_by_euler(*found.khan, 0.1, 0.121, 0.0, 0.5 * np.pi) == pytest.approx(found.least)
     fits = [np.all(least_difference(*m, theta, part) >= -1e-9) for m in khan_mills()]
-    assert best.row == (fits.index(True) if any(fits) else -1)
+    assert found.best.row == (fits.index(True) if any(fits) else -1)
+
+
+def test_a_flat_bottom_leaves_no_flat_mill_in_a_bowl():
+    assert np.isnan(largest_shank(0.0, 0.0, principal_tensor(0.1, -0.1)))
 
 
 def test_the_map_of_a_surface_leaves_out_what_it_cannot_mill():
