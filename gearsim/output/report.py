@@ -11,8 +11,8 @@ _ROTATIONS = ("mid_rotation_um", "best_rotation_um")
 FIRST = ("slot.png", "deviation.png")
 FILES = (
     "`deviation.exr` (maps), `tooth.vtp` (machined slot surfaces), `samples.parquet` (every sample), "
-    "`toolpath.cl` (the program that was simulated), `program.nc` (the same for the scene's machine, where it has one), "
-    "`report.json` (all figures)"
+    "`toolpath.cl` (the program that was simulated), `program.nc` (the same for the scene's machine, where it has "
+    "one), `report.json` (all figures)"
 )
 PICTURES = {
     "slot.png": "The machined slot (tri-dexel), coloured by its deviation from the intended slot",
