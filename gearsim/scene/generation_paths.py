@@ -5,13 +5,13 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 from math import radians
-from typing import Any
+from typing import Annotated, Any
 
 from pydantic import Field, model_validator
 
 from gearsim.errors import InputError
 from gearsim.programs.operation import Tool
-from gearsim.scene.tables import Length, LengthOrZero, Table
+from gearsim.scene.tables import Length, Table
 from gearsim.surfaces.flank_modification import FlankModification
 from gearsim.toolpaths.cylindrical.settings import (
     Bore,
@@ -25,6 +25,8 @@ from gearsim.toolpaths.cylindrical.settings import (
     Settings,
     Slotting,
 )
+
+Share = Annotated[float, Field(gt=0.0, le=1.0)]
 
 
 class EndMillTable(Table):
@@ -53,7 +55,6 @@ class CuttingTable(Table):
     tool: int = Field(default=1, ge=1)
     spindle_rpm: Length = 12000.0
     feed_per_tooth_mm: Length = 0.0508
-    radial_immersion: float = Field(default=0.25, gt=0.0, le=1.0)
 
     def cutting(self, tools: dict[int, Tool]) -> Cutting:
         """The tool and its conditions. Raises InputError for a tool that is not in the table."""
@@ -61,8 +62,8 @@ class CuttingTable(Table):
             raise InputError(f"toolpath: no tool {self.tool}; tools has {', '.join(map(str, sorted(tools)))}")
         return Cutting(tools[self.tool], self.spindle_rpm, self.feed_per_tooth_mm)
 
-    def build(self, cutting: Cutting, clearance: Clearance) -> Settings:
-        """What the operation is told."""
+    def build(self, **common: Any) -> Settings:
+        """What the operation is told; ``common``: cutting and clearance."""
         raise NotImplementedError
 
 
@@ -89,12 +90,11 @@ class TeethTable(CuttingTable):
 class RoughingTable(TeethTable):
     """Table [toolpath.roughing]: layers of stock, down to ``stock_mm`` on the flanks."""
 
-    stock_mm: LengthOrZero = 0.1
+    radial_immersion: Share = 0.25
+    stock_mm: Length = 0.1
 
-    def build(self, cutting: Cutting, clearance: Clearance) -> Roughing:
-        return Roughing(
-            cutting, **self.steps(), radial_immersion=self.radial_immersion, stock=self.stock_mm, clearance=clearance
-        )
+    def build(self, **common: Any) -> Roughing:
+        return Roughing(radial_immersion=self.radial_immersion, stock=self.stock_mm, **self.steps(), **common)
 
 
 class FinishingTable(TeethTable):
@@ -103,24 +103,30 @@ class FinishingTable(TeethTable):
     axial_step_mm: Length = 0.5
     feed_per_tooth_mm: Length = 0.0254
 
-    def build(self, cutting: Cutting, clearance: Clearance) -> Finishing:
-        return Finishing(cutting, **self.steps(), clearance=clearance)
+    def build(self, **common: Any) -> Finishing:
+        return Finishing(**self.steps(), **common)
 
 
 class SlotsTable(CuttingTable):
     """Table [toolpath.slots]: radial slots in the spaces of an external gear."""
 
+    radial_immersion: Share = 0.25
     radial_step_mm: Length = 1.0
     stock_mm: Length = 0.1
 
-    def build(self, cutting: Cutting, clearance: Clearance) -> Slotting:
-        return Slotting(cutting, self.radial_step_mm, self.radial_immersion, self.stock_mm, clearance)
+    def build(self, **common: Any) -> Slotting:
+        immersion = self.radial_immersion
+        return Slotting(radial_immersion=immersion, radial_step=self.radial_step_mm, stock=self.stock_mm, **common)
 
 
 class LevelsTable(CuttingTable):
-    """What operations on the blank share: levels ``axial_step_mm`` apart."""
+    """What operations on the blank share: levels ``axial_step_mm`` apart, in layers."""
 
+    radial_immersion: Share = 0.25
     axial_step_mm: Length = 1.0
+
+    def steps(self) -> dict[str, Any]:
+        return {"axial_step": self.axial_step_mm, "radial_immersion": self.radial_immersion}
 
 
 class FacingTable(LevelsTable):
@@ -129,9 +135,8 @@ class FacingTable(LevelsTable):
     radius_mm: Length
     allowance_mm: Length = 1.0
 
-    def build(self, cutting: Cutting, clearance: Clearance) -> Facing:
-        step, immersion = self.axial_step_mm, self.radial_immersion
-        return Facing(self.radius_mm, self.allowance_mm, cutting, step, immersion, clearance)
+    def build(self, **common: Any) -> Facing:
+        return Facing(self.radius_mm, self.allowance_mm, **self.steps(), **common)
 
 
 class BoreTable(LevelsTable):
@@ -140,9 +145,8 @@ class BoreTable(LevelsTable):
     radius_mm: Length
     depth_mm: Length
 
-    def build(self, cutting: Cutting, clearance: Clearance) -> Bore:
-        step, immersion = self.axial_step_mm, self.radial_immersion
-        return Bore(self.radius_mm, self.depth_mm, cutting, step, immersion, clearance)
+    def build(self, **common: Any) -> Bore:
+        return Bore(self.radius_mm, self.depth_mm, **self.steps(), **common)
 
 
 class OutsideTable(LevelsTable):
@@ -152,11 +156,8 @@ class OutsideTable(LevelsTable):
     radius_mm: Length
     depth_mm: Length
 
-    def build(self, cutting: Cutting, clearance: Clearance) -> OutsideDiameter:
-        step, immersion = self.axial_step_mm, self.radial_immersion
-        return OutsideDiameter(
-            self.blank_radius_mm, self.radius_mm, self.depth_mm, cutting, step, immersion, clearance
-        )  # fmt: skip
+    def build(self, **common: Any) -> OutsideDiameter:
+        return OutsideDiameter(self.blank_radius_mm, self.radius_mm, self.depth_mm, **self.steps(), **common)
 
 
 class RingTable(LevelsTable):
@@ -166,9 +167,8 @@ class RingTable(LevelsTable):
     outer_mm: Length
     depth_mm: Length
 
-    def build(self, cutting: Cutting, clearance: Clearance) -> ReferenceRing:
-        step, immersion = self.axial_step_mm, self.radial_immersion
-        return ReferenceRing(self.inner_mm, self.outer_mm, self.depth_mm, cutting, step, immersion, clearance)
+    def build(self, **common: Any) -> ReferenceRing:
+        return ReferenceRing(self.inner_mm, self.outer_mm, self.depth_mm, **self.steps(), **common)
 
 
 class GearPathTable(Table):
@@ -190,6 +190,7 @@ class GearPathTable(Table):
             raise InputError("tools: two tools share a number")
         clear = Clearance(self.clearance.rim_mm, self.clearance.top_mm)
         before = (self.facing, self.outside, self.bore, self.ring, self.slots, self.roughing)
-        made = tuple(op.build(op.cutting(table), clear) for op in before if op is not None)
-        finishing = self.finishing.build(self.finishing.cutting(table), clear)
-        return (*made, replace(finishing, modification=design))
+        asked = [op for op in (*before, self.finishing) if op is not None]
+        made = [op.build(cutting=op.cutting(table), clearance=clear) for op in asked]
+        assert isinstance(made[-1], Finishing)
+        return (*made[:-1], replace(made[-1], modification=design))

@@ -84,7 +84,7 @@ def test_no_tool_cuts_a_flank_or_the_root_of_unusual_gears(teeth, helix_deg):
 @pytest.mark.parametrize("teeth", [60, -60])
 def test_rapids_of_a_wide_helical_gear_allow_for_the_tool_leaning_over(teeth):
     gear = CylindricalGear(teeth, 5.0, radians(20.0), radians(30.0), facewidth=40.0)
-    settings = Finishing(Cutting(Tool(1, "long", 2.0 * RADIUS, 50.0, 3)), axial_step=10.0)
+    settings = Finishing(cutting=Cutting(Tool(1, "long", 2.0 * RADIUS, 50.0, 3)), axial_step=10.0)
     blocks = finish_teeth(gear, MACHINE, settings).blocks
     tip, axis = poses(blocks, np.flatnonzero(blocks.rapid)[:40], np.linspace(0.0, 1.0, 21))
     for part in np.linspace(0.0, 1.0, 5):

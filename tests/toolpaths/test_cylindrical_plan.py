@@ -61,10 +61,10 @@ def test_slots_are_refused_where_they_cannot_be():
         slot_spaces(thesis(-30), MACHINE)
     wide = Cutting(Tool(2, "wide", 9.0, 30.0, 3))
     with pytest.raises(InputError, match="wider than the slot"):
-        slot_spaces(thesis(15), MACHINE, Slotting(wide))
+        slot_spaces(thesis(15), MACHINE, Slotting(cutting=wide))
     short = Cutting(Tool(2, "short", 3.175, 5.0, 3))
     with pytest.raises(InputError, match=r"11\.25 mm exceeds the flute length of 5 mm"):
-        slot_spaces(thesis(15), MACHINE, Slotting(short))
+        slot_spaces(thesis(15), MACHINE, Slotting(cutting=short))
 
 
 def run(operation):

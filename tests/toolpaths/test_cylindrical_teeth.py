@@ -241,7 +241,7 @@ def test_a_face_width_beyond_the_flutes_is_refused_with_both_lengths():
 def test_a_tool_wider_than_the_space_is_refused():
     thick = Cutting(Tool(2, "thick", 12.0, 30.0, 3))
     with pytest.raises(InputError, match="cannot enter the spaces"):
-        finish_teeth(thesis(-30), MACHINE, Finishing(thick))
+        finish_teeth(thesis(-30), MACHINE, Finishing(cutting=thick))
 
 
 def test_impossible_conditions_are_refused():

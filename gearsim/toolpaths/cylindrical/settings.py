@@ -66,9 +66,12 @@ class Clearance:
         check_positive("clearance", {"rim": self.rim, "top": self.top})
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Settings:
     """What all operations share: positive lengths, checked. Raises InputError otherwise."""
+
+    cutting: Cutting = Cutting()
+    clearance: Clearance = Clearance()
 
     def __post_init__(self) -> None:
         named = {f.name: getattr(self, f.name) for f in fields(self)}
@@ -78,26 +81,35 @@ class Settings:
             raise InputError(f"{type(self).__name__}: radial_immersion is at most 1, got {immersion:g}")
 
 
-@dataclass(frozen=True)
-class Roughing(Settings):
+@dataclass(frozen=True, kw_only=True)
+class Immersed(Settings):
+    """Operations in layers ``radial_immersion`` tool diameters thick."""
+
+    radial_immersion: float = 0.25
+
+
+@dataclass(frozen=True, kw_only=True)
+class Levelled(Immersed):
+    """Operations in levels ``axial_step`` [mm] apart."""
+
+    axial_step: float = 1.0
+
+
+@dataclass(frozen=True, kw_only=True)
+class Roughing(Levelled):
     """Tooth roughing by layers of stock (table 5.1): ``stock`` [mm] is left on the flanks.
 
-    ``axial_step`` in mm; ``involute_step`` in mm of arc or, by ``spacing``, in rad of roll; ``radial_immersion`` in
-    tool diameters.
+    ``involute_step`` in mm of arc or, by ``spacing``, in rad of roll.
     """
 
-    cutting: Cutting = Cutting()
-    axial_step: float = 1.0
     involute_step: float = 1.0
     spacing: Spacing = "arc"
-    radial_immersion: float = 0.25
     stock: float = 0.1
-    clearance: Clearance = Clearance()
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Finishing(Settings):
-    """Tooth finishing by generation (table 5.2); the fields are those of ``Roughing``.
+    """Tooth finishing by generation (table 5.2), one layer; steps as of ``Roughing``.
 
     A ``modification`` is cut by the tool's end, the axis leaning along the flank there; hollow ones are overcut above.
     """
@@ -107,65 +119,45 @@ class Finishing(Settings):
     involute_step: float = 1.0
     spacing: Spacing = "arc"
     modification: FlankModification | None = None
-    clearance: Clearance = Clearance()
 
 
-@dataclass(frozen=True)
-class Slotting(Settings):
+@dataclass(frozen=True, kw_only=True)
+class Slotting(Immersed):
     """Radial slots in the spaces of an external gear, before roughing; ``radial_step`` [mm] a pass."""
 
-    cutting: Cutting = Cutting()
     radial_step: float = 1.0
-    radial_immersion: float = 0.25
     stock: float = 0.1
-    clearance: Clearance = Clearance()
 
 
 @dataclass(frozen=True)
-class Facing(Settings):
+class Facing(Levelled):
     """The top face: ``allowance`` [mm] above z = 0 taken off a blank of ``radius`` [mm]."""
 
     radius: float
     allowance: float = 1.0
-    cutting: Cutting = Cutting()
-    axial_step: float = 1.0
-    radial_immersion: float = 0.25
-    clearance: Clearance = Clearance()
 
 
 @dataclass(frozen=True)
-class Bore(Settings):
+class Bore(Levelled):
     """A hole of ``radius`` [mm] from the top face to ``depth`` [mm]: centre bore, or an internal gear hogged out."""
 
     radius: float
     depth: float
-    cutting: Cutting = Cutting()
-    axial_step: float = 1.0
-    radial_immersion: float = 0.25
-    clearance: Clearance = Clearance()
 
 
 @dataclass(frozen=True)
-class OutsideDiameter(Settings):
+class OutsideDiameter(Levelled):
     """The outside turned down from ``blank_radius`` to ``radius`` [mm] over ``depth`` [mm]."""
 
     blank_radius: float
     radius: float
     depth: float
-    cutting: Cutting = Cutting()
-    axial_step: float = 1.0
-    radial_immersion: float = 0.25
-    clearance: Clearance = Clearance()
 
 
 @dataclass(frozen=True)
-class ReferenceRing(Settings):
+class ReferenceRing(Levelled):
     """A round groove in the top face, by which a measuring machine finds the axis; radii and depth in mm."""
 
     inner: float
     outer: float
     depth: float
-    cutting: Cutting = Cutting()
-    axial_step: float = 1.0
-    radial_immersion: float = 0.25
-    clearance: Clearance = Clearance()
