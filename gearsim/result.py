@@ -128,7 +128,8 @@ class GearResult(Result):
     ``operations`` as planned (none: the program came from a file); ``program`` is its text, ``notes`` what its
     reader passed over. ``maps`` holds both flanks of space 0 by side, measured under ``program``; ``reached`` the
     rolls [rad] at root and tip between which the tool generates each side over the whole facewidth.
-    ``speeds`` [mm/min] are the largest contact speeds by operation, with the feed asked for.
+    ``cutting_s``: time in feed by operation; ``speeds``: the largest speed of the tool's axis on the gear there, and
+    the feed asked for [mm/min] (nan: the program came from a file).
     """
 
     gear: CylindricalGear
@@ -144,6 +145,7 @@ class GearResult(Result):
     section: Section
     dexels: DexelResult
     cutting_s: dict[str, float]
+    speeds: dict[str, tuple[float, float]]
 
 
 def versions() -> dict[str, str]:

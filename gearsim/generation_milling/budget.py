@@ -76,10 +76,12 @@ def causes(job: GearJob, sizes: BudgetTable) -> Iterator[Cause]:
             text = "tool-centre-point control" if tip else "all axes linear"
             blocks = partial(plan.one_space, tip, involute_step=step, spacing="arc")
             yield Cause("involute step", f"{step:g} mm, {text}", blocks)
+    fine = min(sizes.involute_steps_mm, default=job.finishing.involute_step)
     for step in sizes.axial_steps_mm:
         for tip in (False, True):
             text = "tool-centre-point control" if tip else "all axes linear"
-            yield Cause("axial step", f"{step:g} mm, {text}", partial(plan.one_space, tip, axial_step=step))
+            blocks = partial(plan.one_space, tip, axial_step=step, involute_step=fine, spacing="arc")
+            yield Cause("axial step", f"{step:g} mm ({fine:g} mm along the involute), {text}", blocks)
     for decimals in sizes.decimals:
         yield Cause("decimals", f"{decimals} (mm and deg)", partial(plan.written, decimals))
     yield from _workshop(plan, sizes)

@@ -20,6 +20,7 @@ from gearsim.surfaces.tool_access import tool_reach
 
 _SEEN_MM = 1e-6
 _DEEPER_MM = 1e-3
+_CLEAR_MM = 0.05
 
 
 def gear_findings(
@@ -34,7 +35,7 @@ def gear_findings(
     found += rapid_findings(dexels, maps["left"].grid, rapid)
     for side in SIDES:
         found += _not_reached(job, side)
-    return found
+    return found + _left_in_space(job, dexels)
 
 
 def _class(job: GearJob, inspection: GearInspection) -> list[Finding]:
@@ -62,6 +63,26 @@ def _cross_cut(side: Side, surface: SurfaceResult) -> list[Finding]:
     x, y, z = (float(c) for c in surface.grid.point.reshape(-1, 3)[i])
     text = f"another operation cuts the {side} flank deeper than the last one"
     return [Finding("cross_cut", side, 1e3 * float(depth[i]), (x, y, z), None, None, False, text)]
+
+
+def _left_in_space(job: GearJob, dexels: DexelResult) -> list[Finding]:
+    """Material between the flanks of space 0 where both are generated, as the dexels along the axis find it."""
+    gear, bundle = job.gear, dexels.bundles[2]
+    x, y, _ = bundle.rays.origin.T
+    radius, angle = np.hypot(x, y), np.arctan2(y, x)
+    low, high = (gear.radius([of(ends) for ends in job.reached.values()]) for of in (min, max))
+    between = np.flatnonzero((radius > low.max()) & (radius < high.min()))
+    middle = gear.space_centre(0, np.array([0.0, -gear.facewidth]))
+    off = np.abs(angle[between, None] - middle).max(axis=1)
+    inside = between[off < gear.half_space(radius[between]) - _CLEAR_MM / radius[between]]
+    left = np.zeros(len(radius))
+    np.add.at(left, bundle.left.ray, bundle.left.hi - bundle.left.lo)
+    worst = inside[np.argmax(left[inside])] if len(inside) else 0
+    if not len(inside) or left[worst] < _DEEPER_MM:
+        return []
+    place = (float(x[worst]), float(y[worst]), float(bundle.rays.origin[worst, 2]))
+    text = f"material stands in space 1, up to {left[worst]:.3f} mm along the axis"
+    return [Finding("left_in_space", "space", None, place, None, None, True, text)]
 
 
 def _not_reached(job: GearJob, side: Side) -> list[Finding]:

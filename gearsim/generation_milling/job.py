@@ -7,6 +7,7 @@ from functools import cached_property
 from pathlib import Path
 
 import numpy as np
+from numpy.typing import NDArray
 
 from gearsim.errors import InputError, read_input
 from gearsim.generation_milling.disturbance import Disturbance
@@ -18,6 +19,7 @@ from gearsim.programs.post import write_program
 from gearsim.programs.post_options import Header, PostOptions
 from gearsim.scene.generation_milling import ErrorsTable, GenerationMillingScene
 from gearsim.surfaces.cylindrical_gear import SIDES, CylindricalGear, Side
+from gearsim.toolpaths.cylindrical.feed import fastest_axis
 from gearsim.toolpaths.cylindrical.limits import reached_range
 from gearsim.toolpaths.cylindrical.plan import plan_gear
 from gearsim.toolpaths.cylindrical.settings import Finishing, Settings
@@ -92,8 +94,10 @@ def plan(scene: GenerationMillingScene, folder: Path) -> GearJob:
     if scene.program.file:
         text = read_input(folder / scene.program.file, "program")
     else:
-        operations = planned(gear, machine, steps, scene.program.tip_control)
-        text = write_program(operations, _header(scene, gear), scene.program.options())
+        exact = planned(gear, machine, steps, scene.program.tip_control)
+        options = scene.program.options()
+        operations = tuple(as_printed(op, options, step.cutting.feed) for op, step in zip(exact, steps, strict=True))
+        text = write_program(operations, _header(scene, gear), options)
     program = read_program(text, machine, dialect=scene.program.dialect, settings=ReadSettings())
     job = GearJob(scene, gear, machine, steps, operations, text, program, {})
     if unknown := sorted(set(np.unique(program.blocks.tool).tolist()) - set(job.tools) - {0}):
@@ -116,6 +120,23 @@ def with_tip_control(operation: Operation) -> Operation:
     """The same blocks, the tip straight on the workpiece between their ends."""
     blocks = operation.blocks
     return replace(operation, blocks=replace(blocks, tip_control=np.ones(len(blocks), dtype=bool)))
+
+
+def as_printed(operation: Operation, options: PostOptions, feed: float) -> Operation:
+    """The operation with its numbers rounded as a program prints them, and slowed down where that lengthens a block."""
+    blocks = operation.blocks
+    slides = sum(not joint.is_rotary for joint in blocks.machine.joints)
+
+    def rounded(values: NDArray) -> NDArray:
+        out = np.round(values, options.linear_decimals)
+        out[..., slides:] = np.radians(np.round(np.degrees(values[..., slides:]), options.rotary_decimals))
+        return out
+
+    printed = replace(blocks, start=rounded(blocks.start), values=rounded(blocks.values))
+    way = fastest_axis(blocks.machine, printed.before, printed.values - printed.before)
+    straight = ~blocks.rapid & (blocks.sweep == 0.0)
+    seconds = np.where(straight, np.maximum(blocks.seconds, 60.0 * way / feed), blocks.seconds)
+    return replace(operation, blocks=replace(printed, seconds=seconds))
 
 
 def posted(operations: tuple[Operation, ...], machine: Machine, decimals: int) -> Program:

@@ -24,6 +24,7 @@ from gearsim.result import GearResult, Verdict, versions
 from gearsim.scene import scene_table
 from gearsim.simulation.section import Section, section
 from gearsim.surfaces.cylindrical_gear import SIDES
+from gearsim.toolpaths.cylindrical.feed import fastest_axis
 
 GEAR_FRAME = "gear frame: z along the gear axis, z = 0 at the top face, space 0 on +x there"
 
@@ -79,6 +80,7 @@ def measure(job: GearJob, machine_for: MachineFor, device: str) -> GearResult:
         section=_section(job, cut),
         dexels=dexels,
         cutting_s=_cutting_seconds(job),
+        speeds=_fastest(job),
     )
 
 
@@ -95,6 +97,18 @@ def _cutting_seconds(job: GearJob) -> dict[str, float]:
         name: float(np.nansum(blocks.seconds[(blocks.operation == i) & ~blocks.rapid]))
         for i, name in enumerate(job.program.operations)
     }
+
+
+def _fastest(job: GearJob) -> dict[str, tuple[float, float]]:
+    """By operation: largest speed [mm/min] of the tool's axis on the gear in straight feed blocks, and the feed."""
+    blocks = job.program.blocks
+    way = fastest_axis(blocks.machine, blocks.before, blocks.values - blocks.before)
+    fed = ~blocks.rapid & ~blocks.tip_control & (blocks.sweep == 0.0) & (blocks.seconds > 0.0)
+    speed = np.where(fed, 60.0 * way / np.where(fed, blocks.seconds, 1.0), 0.0)
+    names = job.program.operations
+    feeds = [step.cutting.feed for step in job.steps] if job.operations else [float("nan")] * len(names)
+    largest = (float(np.max(speed[blocks.operation == i], initial=0.0)) for i in range(len(names)))
+    return dict(zip(names, zip(largest, feeds, strict=True), strict=True))
 
 
 def _verdict(maps: list[SurfaceResult], dexels: DexelResult, findings: list[Finding]) -> tuple[Verdict, str]:

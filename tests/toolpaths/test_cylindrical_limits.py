@@ -62,10 +62,10 @@ def test_the_hand_of_the_helix_swaps_the_flanks():
 
 @pytest.mark.parametrize(("teeth", "helix_deg"), UNUSUAL)
 def test_no_tool_cuts_a_flank_or_the_root_of_unusual_gears(teeth, helix_deg):
-    gear = thesis(teeth, helix_deg, facewidth=12.0)
+    gear, cutting = thesis(teeth, helix_deg, facewidth=12.0), Cutting(Tool(1, "long", 2.0 * RADIUS, 20.0, 3))
     for operation, stock in (
-        (finish_teeth(gear, MACHINE, Finishing(axial_step=2.0)), 0.0),
-        (rough_teeth(gear, MACHINE, Roughing(axial_step=3.0, involute_step=2.0)), 0.1),
+        (finish_teeth(gear, MACHINE, Finishing(cutting=cutting, axial_step=2.0)), 0.0),
+        (rough_teeth(gear, MACHINE, Roughing(cutting=cutting, axial_step=3.0, involute_step=2.0)), 0.1),
     ):
         tip, axis = (a.reshape(-1, 3) for a in poses(operation.blocks, first_space(operation, gear), [0.3, 0.6, 1.0]))
         for side in SIDES:

@@ -148,10 +148,24 @@ def _roads(report: dict[str, Any]) -> str:
 
 def _program(report: dict[str, Any]) -> str:
     program = report["program"]
-    rows = [[op["name"].lower(), duration(op["cutting_s"])] for op in program["operations"]]
-    rows.append(["together", duration(program["cutting_s"])])
+    rows = [
+        [
+            op["name"].lower(),
+            duration(op["cutting_s"]),
+            _speed(op["largest_speed_mm_per_min"]),
+            _speed(op["feed_mm_per_min"]),
+        ]
+        for op in program["operations"]
+    ]
+    rows.append(["together", duration(program["cutting_s"]), "", ""])
     notes = "".join(f"\n*{note}*\n" for note in program["notes"])
     return (
         f"## The program\n\n`program.nc`: {program['lines']:,} lines, {program['blocks']:,} blocks. Read back and cut "
-        "as it stands.\n\n" + table(["Operation", "time in feed"], rows) + notes
+        "as it stands. Speeds are those of the tool's axis on the gear, from its end to the top face [mm/min].\n\n"
+        + table(["Operation", "time in feed", "largest speed", "feed asked for"], rows)
+        + notes
     )
+
+
+def _speed(value: float | None) -> str:
+    return "–" if value is None else f"{value:.1f}"

@@ -41,12 +41,22 @@ def summary(result: GearResult) -> dict[str, Any]:
         "program": {
             "lines": result.program.count("\n"),
             "blocks": result.counts["blocks"],
-            "operations": [{"name": name, "cutting_s": number(seconds)} for name, seconds in result.cutting_s.items()],
+            "operations": [_operation(result, name) for name in result.cutting_s],
             "cutting_s": number(sum(result.cutting_s.values())),
             "notes": list(result.notes),
         },
         "section": {"z_mm": result.section.z, "rays": len(result.section.y)},
         "tri_dexel": dexel_figures(result.dexels),
+    }
+
+
+def _operation(result: GearResult, name: str) -> dict[str, Any]:
+    largest_speed, feed = result.speeds[name]
+    return {
+        "name": name,
+        "cutting_s": number(result.cutting_s[name]),
+        "largest_speed_mm_per_min": number(largest_speed),
+        "feed_mm_per_min": number(feed),
     }
 
 

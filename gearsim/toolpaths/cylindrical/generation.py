@@ -11,12 +11,12 @@ from gearsim.programs.operation import Operation
 from gearsim.surfaces.cylindrical_gear import SIDES, CylindricalGear, Side
 from gearsim.surfaces.flank_modification import FlankModification
 from gearsim.toolpaths.cylindrical.axes import GearTable
-from gearsim.toolpaths.cylindrical.limits import check_tool, pass_range, stock_layers
+from gearsim.toolpaths.cylindrical.limits import check_tool, overrun, pass_levels, pass_range, stock_layers
 from gearsim.toolpaths.cylindrical.links import visit
 from gearsim.toolpaths.cylindrical.order import every_space
 from gearsim.toolpaths.cylindrical.passes import flank_pass
 from gearsim.toolpaths.cylindrical.settings import Finishing, Roughing
-from gearsim.toolpaths.cylindrical.steps import descent, roll_points, with_points
+from gearsim.toolpaths.cylindrical.steps import roll_points, with_points
 from gearsim.toolpaths.cylindrical.track import Track, join
 
 ROUGHING = Roughing()
@@ -53,9 +53,9 @@ def _teeth(
     modification: FlankModification | None,
 ) -> Operation:
     cutting = settings.cutting
-    cutting.check_depth(f"{name}, face width", gear.facewidth)
+    cutting.check_depth(f"{name}, face width and overrun", gear.facewidth + overrun(gear, cutting.radius))
     check_tool(gear, cutting.radius)
-    levels = descent(0.0, -gear.facewidth, settings.axial_step)
+    levels = pass_levels(gear, cutting.radius, settings.axial_step)
     visits = []
     for stock in layers:
         for z in levels:

@@ -48,6 +48,19 @@ def pass_range(gear: CylindricalGear, side: Side, z: float, tool_radius: float, 
     return max(low, floor + max(lean, 0.0)), _centre_roll(gear, reach, offset) + max(lean, below)
 
 
+def overrun(gear: CylindricalGear, tool_radius: float) -> float:
+    """How far the last pass goes below the bottom face [mm], for the leaning tool's end to leave it altogether.
+
+    That takes the rise over its diameter; the passes of both flanks in the middle of a space overlap by half of it.
+    """
+    return 3.0 * tool_radius * abs(tan(gear.base_helix_angle))
+
+
+def pass_levels(gear: CylindricalGear, tool_radius: float, axial_step: float) -> NDArray:
+    """Heights [mm] of the passes over the facewidth, (n,)."""
+    return descent(0.0, -gear.facewidth - overrun(gear, tool_radius), axial_step)
+
+
 def reached_range(
     gear: CylindricalGear, side: Side, z: ArrayLike, tool_radius: float, axial_step: float
 ) -> tuple[NDArray, NDArray]:
@@ -57,7 +70,7 @@ def reached_range(
     """
     z = np.atleast_1d(np.asarray(z, dtype=float))
     low, high = np.full(len(z), np.inf), np.full(len(z), -np.inf)
-    for level in descent(0.0, -gear.facewidth, axial_step):
+    for level in pass_levels(gear, tool_radius, axial_step):
         start, end = pass_range(gear, side, level, tool_radius, 0.0)
         touched = (z >= level - 1e-9) & (start < end)
         shift = -flank_sign(side) * gear.twist * (z - level)

@@ -9,7 +9,7 @@ import numpy as np
 
 from gearsim.errors import InputError
 from gearsim.surfaces.cylindrical_gear import CylindricalGear
-from gearsim.toolpaths.cylindrical.limits import transverse
+from gearsim.toolpaths.cylindrical.limits import overrun, transverse
 from gearsim.toolpaths.cylindrical.settings import Clearance
 from gearsim.toolpaths.cylindrical.track import Track, across, join, moved_out, polar, track
 
@@ -22,7 +22,7 @@ def safe_radius(gear: CylindricalGear, tool_radius: float, clearance: Clearance)
 
     Raises InputError where a bore is too small for that.
     """
-    lean = gear.facewidth * abs(tan(gear.base_helix_angle))
+    lean = (gear.facewidth + overrun(gear, tool_radius)) * abs(tan(gear.base_helix_angle))
     away = clearance.rim + transverse(gear, tool_radius) + lean
     radius = gear.tip_radius + gear.sign * away
     if radius <= 0.0:
