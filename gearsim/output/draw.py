@@ -1,63 +1,21 @@
-"""3D pictures and tooth.vtp with PyVista, in a process of its own: ``python -m gearsim.output.draw FOLDER``.
-
-A machine without OpenGL ends that process, not the run; tooth.vtp, which needs none, is written first.
-"""
+"""3D pictures with PyVista: meshes of measured patches, a white scene, and those of a flank-milled slot."""
 
 from __future__ import annotations
 
-import subprocess
-import sys
-from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-DATA = "drawing.npz"
 _SIZE = (1400, 1000)
 _NOISE_UM = 1e-3
 STEEL = "#b8bec6"
 COLOURS = {"convex": "#d1495b", "concave": "#2e6f95"}
 
 
-def start_drawing(folder: Path) -> subprocess.Popen[str]:
-    """Start drawing what drawing.npz in a folder holds."""
-    command = [sys.executable, "-P", "-m", "gearsim.output.draw", str(folder)]
-    return subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
-
-
-def finish_drawing(process: subprocess.Popen[str], folder: Path, pictures: Sequence[str]) -> list[str]:
-    """Wait for the drawing process; says which of the pictures are missing and why, one line each."""
-    errors = process.communicate()[1]
-    missing = [name for name in pictures if not (folder / name).exists()]
-    if not missing:
-        return []
-    reason = (errors.strip().splitlines() or [f"the drawing process ended with code {process.returncode}"])[-1]
-    return [
-        f"3D pictures ({', '.join(missing)}): {reason}. They need OpenGL without a screen; on Debian or Ubuntu: "
-        "apt-get install libegl1 libgl1-mesa-dri"
-    ]
-
-
-def main(folder: Path) -> None:
-    """Draw everything."""
-    import pyvista as pv
-
-    pv.OFF_SCREEN = True
-    data = dict(np.load(folder / DATA))
-    surfaces = patch_meshes(data)
-    pv.merge(list(surfaces.values()), merge_points=False).extract_surface(algorithm=None).save(folder / "tooth.vtp")
-    if "section:y" in data:
-        from gearsim.output.cylindrical.draw import draw_gear
-
-        draw_gear(data, surfaces, folder / "gear.png")
-        return
-    if "tool:profile" in data:
-        from gearsim.output.generating.draw import draw_generating
-
-        draw_generating(data, surfaces, folder)
-        return
+def draw_flank_milling(data: dict[str, NDArray], surfaces: dict[str, Any], folder: Path) -> None:
+    """All pictures of a flank-milled slot."""
     draw_slot(data, folder / "slot.png")
     _draw_blanks(data, folder / "blanks.png")
     _draw_toolpaths(data, surfaces, folder / "toolpaths.png")
@@ -204,7 +162,3 @@ def _draw_envelopes(data: dict[str, NDArray], surfaces: dict[str, Any], file: Pa
         plotter.add_text(f"envelope of the {side} flank's pass", color="black", font_size=12)
         look_into_slot(plotter, data["view:centre"], data, 88.0)
     plotter.screenshot(str(file))
-
-
-if __name__ == "__main__":
-    main(Path(sys.argv[1]))

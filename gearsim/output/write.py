@@ -11,7 +11,7 @@ from gearsim.output.cylindrical import drawing as cylindrical_drawing
 from gearsim.output.cylindrical import report as cylindrical_report
 from gearsim.output.cylindrical import summary as cylindrical_summary
 from gearsim.output.cylindrical.maps import map_channels, map_columns
-from gearsim.output.draw import DATA, finish_drawing, start_drawing
+from gearsim.output.drawer import DATA, finish_drawing, start_drawing
 from gearsim.output.drawing import write_drawing
 from gearsim.output.exr import grid_channels, write_exr
 from gearsim.output.generating import charts as generating_charts
