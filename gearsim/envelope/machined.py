@@ -18,6 +18,7 @@ from gearsim.geometry.rays import RayBundle
 from gearsim.motion.sources import MotionSource
 
 TRIM_TOLERANCE = 1e-9
+_CLEAR = 2.0 * TRIM_TOLERANCE  # farther off, a distance is not needed exactly
 _CHECKED = 1e-3
 _SLICED = 256
 
@@ -108,7 +109,7 @@ def _passes_a_crossing(
 
 
 def _least_distance(sources: Sequence[MotionSource], cutter: Profile, points: NDArray) -> NDArray:
-    return np.min([path_distance(source, cutter, points) for source in sources], axis=0)
+    return np.min([path_distance(source, cutter, points, floor=_CLEAR) for source in sources], axis=0)
 
 
 def _ahead(found: Crossings, inside: NDArray) -> NDArray:

@@ -16,10 +16,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gearsim.cutters.profile import Profile
+from gearsim.errors import NumericalError
 from gearsim.motion.sources import MotionSource
 
 _CHUNK = 1 << 19
 _LEVELS = 100
+_MOST = 20_000_000
 _TOLERANCE = 1e-11
 _CURVATURE_MARGIN = 1.3
 
@@ -56,17 +58,23 @@ def distance_rate(
     return distance, nr * r_rate + nz * (sideways - _dot(tip_rate, axis))
 
 
-def path_distance(source: MotionSource, cutter: Profile, points: NDArray, spacing: float = 0.25) -> NDArray:
+def path_distance(
+    source: MotionSource, cutter: Profile, points: NDArray, spacing: float = 0.25, floor: float = np.inf
+) -> NDArray:  # fmt: skip
     """Least signed distance [mm] over the whole motion, shape (n,), of points, shape (n, 3), to 1e-11 mm.
+
+    Above ``floor`` [mm] it is only that: what slides past a tool's end at some distance takes long to tell exactly.
 
     Inside a tool with undercuts it is the depth below a part's surface, which can be less than the tool's;
     beyond half the radius of a ring's hole from the ring it is to about 1e-3 mm. Starts from samples between
     which no tool point moves more than about ``spacing`` [mm].
     """
-    return np.min([_part_distance(source, part, points, spacing) for part in cutter.parts], axis=0)
+    return np.min([_part_distance(source, part, points, spacing, floor) for part in cutter.parts], axis=0)
 
 
-def _part_distance(source: MotionSource, cutter: Profile, points: NDArray, spacing: float) -> NDArray:
+def _part_distance(
+    source: MotionSource, cutter: Profile, points: NDArray, spacing: float, floor: float
+) -> NDArray:  # fmt: skip
     """The same for a convex cutter or a ring."""
     piece, t, curvature = _samples(source, cutter, spacing)
     tip, axis = (s.derivatives() for s in source.pose(piece, t, 1))
@@ -81,13 +89,13 @@ def _part_distance(source: MotionSource, cutter: Profile, points: NDArray, spaci
         with np.errstate(invalid="ignore"):
             bound = _bound(width, f[:, inner], f[:, inner + 1], rate[:, inner], rate[:, inner + 1], curvature[inner])
         known = np.isfinite(f[:, inner]) & np.isfinite(f[:, inner + 1])
-        point, k = np.nonzero(known & (bound < lowest[:, None] - _TOLERANCE))
+        point, k = np.nonzero(known & (bound < np.minimum(lowest - _TOLERANCE, floor)[:, None]))
         i = inner[k]
         stretches = _Stretches(
             point, piece[i], t[i], t[i + 1], f[point, i], f[point, i + 1], rate[point, i], rate[point, i + 1],
             curvature[i],
         )  # fmt: skip
-        least[begin : begin + step] = _refine(source, cutter, chunk, lowest, stretches)
+        least[begin : begin + step] = _refine(source, cutter, chunk, lowest, stretches, floor)
     return least
 
 
@@ -153,11 +161,22 @@ def _bound(width: NDArray, fa: NDArray, fb: NDArray, ra: NDArray, rb: NDArray, c
     return np.minimum(np.minimum(fa, fb), fa + ra * s - 0.5 * curvature * s * s)
 
 
-def _refine(source: MotionSource, cutter: Profile, points: NDArray, least: NDArray, live: _Stretches) -> NDArray:
-    """Least distance per point after splitting every stretch that may hold less."""
+def _refine(
+    source: MotionSource, cutter: Profile, points: NDArray, least: NDArray, live: _Stretches, floor: float
+) -> NDArray:  # fmt: skip
+    """Least distance per point after splitting every stretch that may hold less.
+
+    Raises NumericalError where there are too many: the tool slides along points.
+    """
     for level in range(_LEVELS):
         if not len(live.point):
             break
+        if len(live.point) > _MOST:
+            count = len(np.unique(live.point))
+            raise NumericalError(
+                f"the envelope road cannot tell how near {count} points come to the tool: they lie in a surface along "
+                "which it slides for a while (the plane of its end?); move the samples a little"
+            )
         x = 0.5 * (live.a + live.b) if level % 2 else _secant(live)
         tip, axis = (s.derivatives() for s in source.pose(live.piece, x, 1))
         f, rate = distance_rate(cutter, points[live.point], tip[0], axis[0], tip[1], axis[1])
@@ -165,7 +184,7 @@ def _refine(source: MotionSource, cutter: Profile, points: NDArray, least: NDArr
         halves = [live._replace(b=x, fb=f, rb=rate), live._replace(a=x, fa=f, ra=rate)]
         live = _Stretches(*(np.concatenate(columns) for columns in zip(*halves, strict=True)))
         bound = _bound(live.b - live.a, live.fa, live.fb, live.ra, live.rb, live.curvature)
-        keep = bound < least[live.point] - _TOLERANCE
+        keep = bound < np.minimum(least[live.point] - _TOLERANCE, floor)
         live = _Stretches(*(column[keep] for column in live))
     return least
 

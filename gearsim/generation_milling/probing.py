@@ -15,6 +15,7 @@ from gearsim.surfaces.flank_modification import FlankModification
 from gearsim.surfaces.involute import InvoluteFlank
 
 STATIONS = (0.1, 0.5, 0.9)
+_OFF = 1.618e-4  # of the facewidth
 _EDGE = 1e-3  # of the facewidth: on the very edge of a face there is no normal
 
 
@@ -69,13 +70,17 @@ class Probing:
 
 @dataclass(frozen=True)
 class ReachedFlank(InvoluteFlank):
-    """A flank as far as the tool generates it: ``locate`` spans the rolls ``reached`` [rad], at root and tip."""
+    """A flank as far as the tool generates it: ``locate`` spans the rolls ``reached`` [rad], at root and tip.
+
+    Heights are moved off round numbers: a ray in the very plane in which a tool's end moves touches it all along.
+    """
 
     reached: tuple[float, float] = (0.0, 0.0)
 
     def locate(self, length: ArrayLike, height: ArrayLike) -> tuple[NDArray, NDArray]:
         root, tip = self.reached
-        return root + (tip - root) * np.asarray(height, dtype=float), super().locate(length, height)[1]
+        off = np.asarray(length, dtype=float) + _OFF
+        return root + (tip - root) * np.asarray(height, dtype=float), super().locate(off, height)[1]
 
 
 def probing(gear: CylindricalGear, side: Side, reached: tuple[float, float], points: int) -> Probing:

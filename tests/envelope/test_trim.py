@@ -2,7 +2,14 @@ import numpy as np
 import pytest
 from scipy.optimize import minimize_scalar
 
+from gearsim.cutters.catalogue import flat
+from gearsim.envelope import trim
 from gearsim.envelope.trim import distance_rate, path_distance
+from gearsim.errors import NumericalError
+from gearsim.geometry import series
+from gearsim.geometry.pose import PoseSeries
+from gearsim.geometry.series import Series
+from gearsim.motion.sources import CLMotion, CurveMotion
 from tests.cutters.shapes import every_shape
 from tests.simulation.test_removal import CUTTERS, random_path
 
@@ -59,3 +66,28 @@ def test_points_of_the_swept_boundary_have_distance_zero(rng):
     u /= np.linalg.norm(u, axis=1, keepdims=True)
     points = pose.tip.value + p.z[:, None] * pose.axis.value + p.r[:, None] * u
     assert np.all(path_distance(source, cutter, points) <= 1e-12)
+
+
+def test_above_the_floor_a_distance_is_only_known_to_be_above():
+    """A tool whose end slides at a constant height over points: exact below the floor, cheap and larger above it."""
+    cutter = flat(4.0, 20.0)
+    source = CLMotion(np.array([[0.0, 0.0, 0.0], [30.0, 0.0, 0.0]]), np.tile([0.0, 0.0, 1.0], (2, 1)))
+    below = np.array([[10.0, 0.5, -0.3], [12.0, -0.7, -2.0]])
+    beside = np.array([[15.0, 2.5, 5.0], [15.0, 1.0, 5.0]])
+    assert np.all(path_distance(source, cutter, below, floor=1e-6) > 1e-6)
+    assert path_distance(source, cutter, beside, floor=1.0) == pytest.approx([0.5, -1.0], abs=1e-9)
+
+
+def test_points_along_which_the_tool_slides_are_refused(monkeypatch):
+    """On an arc in the plane of its end: the bound of the curvature needs very small steps there."""
+
+    def curve(values, order):
+        t = Series.variable(values, order)
+        turn = series.exp(t * 0.5j)
+        tip = series.stack([turn.real * 20.0, turn.imag * 20.0, t * 0.0])
+        return PoseSeries(tip, series.stack([t * 0.0, t * 0.0, t * 0.0 + 1.0]))
+
+    monkeypatch.setattr(trim, "_MOST", 1000)
+    inside = 19.5 * np.array([[np.cos(0.25), np.sin(0.25), 0.0]])
+    with pytest.raises(NumericalError, match="move the samples"):
+        path_distance(CurveMotion(curve, 0.0, 1.0), flat(4.0, 20.0), inside)
