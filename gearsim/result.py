@@ -7,20 +7,31 @@ from importlib.metadata import version
 from platform import python_version
 from typing import Any, Literal
 
+from numpy.typing import NDArray
+
 import gearsim
 from gearsim.cutters.profile import Profile
+from gearsim.gouging.attribution import Attribution
+from gearsim.gouging.khan_sizes import SideBySide
+from gearsim.gouging.prediction import Prediction
+from gearsim.gouging.rings import RingResult
+from gearsim.gouging.worked import WorkedRow
 from gearsim.metrology.bevel import FlankResult, PatchResult
+from gearsim.metrology.deviation import Deviation
 from gearsim.metrology.dexel_check import DexelResult
 from gearsim.metrology.findings import Finding
 from gearsim.metrology.gear_inspection import GearInspection
 from gearsim.metrology.roughness import Roughness
+from gearsim.metrology.samples import SampleGrid
 from gearsim.metrology.surface import SurfaceResult
 from gearsim.motion.sources import MotionSource
 from gearsim.programs.operation import Operation
 from gearsim.simulation.section import Section
 from gearsim.surfaces.blank import BevelBlank
 from gearsim.surfaces.cylindrical_gear import CylindricalGear
+from gearsim.surfaces.nurbs import NurbsSurface
 from gearsim.surfaces.patch import Side, Tooth
+from gearsim.toolpaths.sculptured import SculpturedPath
 
 Verdict = Literal["pass", "fail", "unchecked"]
 
@@ -146,6 +157,70 @@ class GearResult(Result):
     dexels: DexelResult
     cutting_s: dict[str, float]
     speeds: dict[str, tuple[float, float]]
+
+
+@dataclass(frozen=True)
+class ToolCut:
+    """A surface cut by one tool: what its curvatures predicted and what was found.
+
+    ``contacts`` are predicted at the path's, ``samples`` at the grid's points (row-major); ``check_um``: how far
+    machined points lie off the tool by a search of its own.
+    """
+
+    cutter: Profile
+    path: SculpturedPath
+    segments: int
+    contacts: Prediction
+    samples: Prediction
+    deviation: Deviation
+    made: Attribution
+    rings: RingResult
+    check_um: float
+    machine: dict[str, float]
+
+
+@dataclass(frozen=True)
+class SizeChoice:
+    """The largest mill of a catalogue (R, r) at every point of a grid [mm], nan: none; one mill for all (None: no
+    contact), limited at ``place`` [mm].
+    """
+
+    grid: SampleGrid
+    shank: NDArray
+    corner: NDArray
+    mills: NDArray
+    whole: SideBySide | None
+    place: tuple[float, ...]
+
+
+@dataclass(frozen=True)
+class PlotPoint:
+    """A contact at (u, v), ``point`` [mm], with the prediction of every tool by name."""
+
+    u: float
+    v: float
+    point: NDArray
+    tools: dict[str, Prediction]
+
+
+@dataclass(frozen=True)
+class SculpturedResult(Result):
+    """A NURBS surface cut by the chosen tool and others; ``worked`` are printed numbers beside ours."""
+
+    surface: NurbsSurface
+    grid: SampleGrid
+    cuts: dict[str, ToolCut]
+    sizes: SizeChoice
+    plotted: PlotPoint
+    worked: tuple[WorkedRow, ...]
+
+
+@dataclass(frozen=True)
+class GougeExampleResult(Result):
+    """Worked examples of which only numbers are printed, of the given ``sections``."""
+
+    sections: tuple[str, ...]
+    worked: tuple[WorkedRow, ...]
 
 
 def versions() -> dict[str, str]:

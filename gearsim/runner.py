@@ -7,18 +7,28 @@ from pathlib import Path
 from time import perf_counter
 from typing import Any, Protocol
 
-from gearsim import flank_milling, generating, generation_milling
+from gearsim import flank_milling, generating, generation_milling, sculptured
 from gearsim.cutters.profile import Profile
 from gearsim.envelope import prepare_envelope
 from gearsim.metrology.machine import MeasuringMachine
 from gearsim.result import Result
-from gearsim.scene import FlankMillingScene, GeneratedScene, GenerationMillingScene, Scene, load_scene
+from gearsim.scene import (
+    FlankMillingScene,
+    GeneratedScene,
+    GenerationMillingScene,
+    GougeExampleScene,
+    Scene,
+    SculpturedScene,
+    load_scene,
+)
 from gearsim.simulation.removal import SLOT_BYTES, prepare, tile_rays
 
 _PROCESSES: dict[type[Scene], Any] = {
     FlankMillingScene: flank_milling,
     GeneratedScene: generating,
     GenerationMillingScene: generation_milling,
+    SculpturedScene: sculptured,
+    GougeExampleScene: sculptured,
 }
 
 

@@ -12,7 +12,7 @@ ROOT = Path(__file__).parent.parent
 ORDER = [
     "errors", "geometry", "cutters", "machines", "surfaces", "programs", "motion", "toolpaths", "kernels", "envelope",
     "simulation", "metrology", "gouging", "result", "output", "scene", "flank_milling", "generating", "generation_milling",
-    "runner", "verify", "bench", "cli",
+    "sculptured", "runner", "verify", "bench", "cli",
 ]  # fmt: skip
 LAUNCHERS = {"kernels", "envelope", "simulation", "gouging", "bench"}
 HEAVY = {"warp", "pyvista", "OpenEXR", "pyarrow", "matplotlib"}

@@ -15,6 +15,7 @@ import numpy as np
 from gearsim.output.cylindrical.draw import draw_gear
 from gearsim.output.draw import draw_flank_milling, patch_meshes
 from gearsim.output.generating.draw import draw_generating
+from gearsim.output.gouging.draw import draw_surfaces
 
 DATA = "drawing.npz"
 
@@ -48,6 +49,8 @@ def main(folder: Path) -> None:
     pv.merge(list(surfaces.values()), merge_points=False).extract_surface(algorithm=None).save(folder / "tooth.vtp")
     if "section:y" in data:
         draw_gear(data, surfaces, folder / "gear.png")
+    elif any(key.startswith("gouge:") for key in data):
+        draw_surfaces(data, surfaces, folder / "surface.png")
     elif "tool:profile" in data:
         draw_generating(data, surfaces, folder)
     else:

@@ -16,7 +16,15 @@ from gearsim.metrology.deviation import Deviation
 from gearsim.metrology.dexel_check import DexelResult
 from gearsim.metrology.roads import RoadGap
 from gearsim.output.cylindrical.words import size
-from gearsim.result import FlankMillingResult, GearResult, GeneratingResult, Result
+from gearsim.output.gouging.screen import print_gouging
+from gearsim.result import (
+    FlankMillingResult,
+    GearResult,
+    GeneratingResult,
+    GougeExampleResult,
+    Result,
+    SculpturedResult,
+)
 from gearsim.surfaces.cylindrical_gear import SIDES
 
 _CONSOLE = Console(highlight=False, width=None if sys.stdout.isatty() else 110)
@@ -57,7 +65,10 @@ def print_result(result: Result, out: Path, missing: list[str]) -> None:
     """The figures a user wants first."""
     if isinstance(result, GearResult):
         _print_parameters(result)
-    _print_deviations(result)
+    if isinstance(result, SculpturedResult | GougeExampleResult):
+        print_gouging(result, _CONSOLE)
+    else:
+        _print_deviations(result)
     for f in result.findings:
         place = ", ".join(f"{x:.2f}" for x in f.place_mm)
         flag = "[bold red]FAILS[/] " if f.fails else ""
@@ -67,10 +78,11 @@ def print_result(result: Result, out: Path, missing: list[str]) -> None:
         _CONSOLE.print(f"[bold yellow]not drawn[/] {reason}")
     t, counts = result.timings_s, result.counts
     rate = counts["pairs"] / max(t["kernel"], 1e-9) / 1e6
-    _CONSOLE.print(
-        f"{counts['rays']:,} rays x {counts['segments']} segments, {counts['pairs']:,} pairs in {t['kernel']:.2f} s "
-        f"({rate:.2f} M pairs/s) on {result.device}; {t['total']:.1f} s in all."
-    )
+    if counts["rays"]:
+        _CONSOLE.print(
+            f"{counts['rays']:,} rays x {counts['segments']} segments, {counts['pairs']:,} pairs in "
+            f"{t['kernel']:.2f} s ({rate:.2f} M pairs/s) on {result.device}; {t['total']:.1f} s in all."
+        )
     style = {"pass": "bold green", "fail": "bold red", "unchecked": "bold magenta"}[result.verdict]
     detail = "" if result.verdict != "unchecked" else f": {result.status}"
     _CONSOLE.print(f"verdict: [{style}]{result.verdict}[/]{detail}   report: {out / 'report.html'}")

@@ -19,10 +19,20 @@ from gearsim.output.generating import drawing as generating_drawing
 from gearsim.output.generating import report as generating_report
 from gearsim.output.generating import summary as generating_summary
 from gearsim.output.generating.maps import surface_channels, surface_columns
+from gearsim.output.gouging import report as gouging_report
+from gearsim.output.gouging import summary as gouging_summary
+from gearsim.output.gouging.write import write_examples, write_sculptured
 from gearsim.output.markdown import write_report
 from gearsim.output.summary import summary, write_json
 from gearsim.output.table import flank_columns, write_parquet
-from gearsim.result import FlankMillingResult, GearResult, GeneratingResult, Result
+from gearsim.result import (
+    FlankMillingResult,
+    GearResult,
+    GeneratingResult,
+    GougeExampleResult,
+    Result,
+    SculpturedResult,
+)
 
 
 def write_result(result: Result, stage: Path) -> list[str]:
@@ -31,6 +41,10 @@ def write_result(result: Result, stage: Path) -> list[str]:
         return _write_flank_milling(result, stage)
     if isinstance(result, GearResult):
         return _write_gear(result, stage)
+    if isinstance(result, SculpturedResult):
+        return _write_sculptured(result, stage)
+    if isinstance(result, GougeExampleResult):
+        return _write_examples(result, stage)
     assert isinstance(result, GeneratingResult)
     return _write_generating(result, stage)
 
@@ -83,12 +97,25 @@ def _write_gear(result: GearResult, stage: Path) -> list[str]:
     return _write_figures(figures, text, missing, stage)
 
 
+def _write_sculptured(result: SculpturedResult, stage: Path) -> list[str]:
+    missing = write_sculptured(result, stage)
+    figures = gouging_summary.summary(result)
+    text = gouging_report.sculptured_report(figures, _drawn(stage), missing)
+    return _write_figures(figures, text, missing, stage)
+
+
+def _write_examples(result: GougeExampleResult, stage: Path) -> list[str]:
+    captions = write_examples(result, stage)
+    figures = gouging_summary.summary(result)
+    return _write_figures(figures, gouging_report.examples_report(figures, captions), [], stage)
+
+
 def _drawn(stage: Path) -> list[str]:
     return sorted(file.name for file in stage.glob("*.png"))
 
 
 def _write_figures(figures: dict[str, Any], text: str, missing: list[str], stage: Path) -> list[str]:
-    (stage / DATA).unlink()
+    (stage / DATA).unlink(missing_ok=True)
     figures["not_drawn"] = missing
     write_report(text, figures["scene"]["scene"]["name"], stage)
     write_json(figures, stage / "report.json")

@@ -4,6 +4,7 @@ from gearsim.scene.flank_milling import FlankMillingScene
 from gearsim.scene.generated import EnvelopeScene, FaceMillingScene, GeneratedScene, HypoidScene
 from gearsim.scene.generation_milling import GenerationMillingScene
 from gearsim.scene.loading import check_scene, load_scene, scene_names, scene_table, scene_text
+from gearsim.scene.sculptured import GougeExampleScene, SculpturedScene
 from gearsim.scene.tables import Scene
 
 __all__ = [
@@ -12,8 +13,10 @@ __all__ = [
     "FlankMillingScene",
     "GeneratedScene",
     "GenerationMillingScene",
+    "GougeExampleScene",
     "HypoidScene",
     "Scene",
+    "SculpturedScene",
     "check_scene",
     "load_scene",
     "scene_names",

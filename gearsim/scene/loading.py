@@ -16,6 +16,7 @@ from gearsim.errors import InputError, read_input
 from gearsim.scene.flank_milling import FlankMillingScene
 from gearsim.scene.generated import EnvelopeScene, FaceMillingScene, HypoidScene
 from gearsim.scene.generation_milling import GenerationMillingScene
+from gearsim.scene.sculptured import GougeExampleScene, SculpturedScene
 from gearsim.scene.tables import Scene, Table
 
 SCENES: dict[str, type[Scene]] = {
@@ -25,6 +26,8 @@ SCENES: dict[str, type[Scene]] = {
     "face-milled": FaceMillingScene,
     "hypoid-pinion": HypoidScene,
     "cylindrical-gear": GenerationMillingScene,
+    "nurbs": SculpturedScene,
+    "gouge-example": GougeExampleScene,
 }
 
 

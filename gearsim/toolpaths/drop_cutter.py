@@ -76,7 +76,10 @@ def drop_path(
     surface: NurbsSurface, cutter: Profile, stepover: float, points: int = 65, *, along: Literal["x", "y"] = "x",
     tolerance: float = 1e-4,
 ) -> SculpturedPath:  # fmt: skip
-    """Passes along x or y wherever the tool meets the surface; ``tolerance`` [mm] of the straight steps."""
+    """Passes along x or y wherever the tool touches the surface inside its border; ``tolerance`` [mm] of the steps.
+
+    ``points`` find where a pass begins and ends, and are then spread over it. Raises InputError where there is none.
+    """
     if not stepover > 0.0:
         raise InputError(f"stepover must be above 0 mm, got {stepover:g}")
     net = surface.points.reshape(-1, 3)[:, :2]
@@ -89,7 +92,23 @@ def drop_path(
         return drop(surface, cutter, *((across[line], place) if run else (place, across[line])))
 
     line = np.repeat(np.arange(len(across)), points)
-    return refined(touch, line, np.tile(np.linspace(low[run], high[run], points), len(across)), tolerance)
+    place = np.tile(np.linspace(low[run], high[run], points), len(across))
+    inside = _inside(surface, touch(line, place)).reshape(len(across), points)
+    kept, first = np.flatnonzero(inside.any(axis=1)), np.argmax(inside, axis=1)
+    if not len(kept):
+        raise InputError("dropped, the cutter touches the surface nowhere inside its border: is the surface upright?")
+    last = points - 1 - np.argmax(inside[:, ::-1], axis=1)
+    places = place[:points]
+    starts, ends = places[np.maximum(first - 1, 0)][kept], places[np.minimum(last + 1, points - 1)][kept]
+    line, place = np.repeat(kept, points), np.linspace(starts, ends, points, axis=1).ravel()
+    return refined(touch, line, place, tolerance)
+
+
+def _inside(surface: NurbsSurface, touches: Touches) -> NDArray[np.bool_]:
+    """Whether a tool touches the surface inside its border."""
+    (u0, u1), (v0, v1) = surface.domain
+    with np.errstate(invalid="ignore"):
+        return (touches.u > u0) & (touches.u < u1) & (touches.v > v0) & (touches.v < v1)
 
 
 class _Search:
@@ -111,11 +130,12 @@ class _Search:
         owner, at = self._peaks(lift)
         root = self._newton(place[owner], at)
         height = np.where(np.isfinite(root[:, 0]), self._lift(place[owner], np.nan_to_num(root, nan=0.5)), -np.inf)
-        lost = np.flatnonzero(~(height >= self._lift(place[owner], at)))  # no root, or one that is no maximum
+        border = (at == self.low) | (at == self.high)
+        lost = np.flatnonzero(~(height >= self._lift(place[owner], at)) & ~border.any(axis=1))  # no root, or no maximum
         root[lost], height[lost] = self._narrow(place[owner[lost]], at[lost], (0, 1))
         owners, roots, heights = [owner], [root], [height]
         for k in (0, 1):
-            on = (at[:, k] == self.low[k]) | (at[:, k] == self.high[k])
+            on = border[:, k]
             found, top = self._narrow(place[owner[on]], at[on], (1 - k,))
             owners, roots, heights = [*owners, owner[on]], [*roots, found], [*heights, top]
         return self._best(len(place), np.concatenate(owners), np.concatenate(roots), np.concatenate(heights))
@@ -125,7 +145,10 @@ class _Search:
         n, rows, columns = lift.shape
         padded = np.pad(lift, ((0, 0), (1, 1), (1, 1)), constant_values=-np.inf)
         around = [padded[:, i : i + rows, j : j + columns] for i in range(3) for j in range(3) if (i, j) != (1, 1)]
-        peak = np.where(lift >= np.maximum.reduce(around), lift, -np.inf).reshape(n, -1)
+        with np.errstate(invalid="ignore"):
+            steepest = np.nan_to_num(lift - np.minimum.reduce(around), nan=0.0, posinf=np.inf)
+        hopeful = lift + steepest >= lift.max(axis=(1, 2), keepdims=True)
+        peak = np.where((lift >= np.maximum.reduce(around)) & hopeful, lift, -np.inf).reshape(n, -1)
         first = np.argpartition(-peak, _KEEP, axis=1)[:, :_KEEP]
         owner, rank = np.nonzero(np.isfinite(np.take_along_axis(peak, first, axis=1)))
         i, j = np.divmod(first[owner, rank], columns)
@@ -164,21 +187,23 @@ class _Search:
 
     def _narrow(self, place: NDArray, at: NDArray, free: tuple[int, ...]) -> tuple[NDArray, NDArray]:
         """Parameters and lift of the highest point near, by windows that shrink about the best of their points."""
-        side = np.linspace(-1.0, 1.0, 5)
+        side, shrink, turns = np.linspace(-1.0, 1.0, 9 if len(free) == 1 else 5), 0.6, 42
+        if len(free) == 1:
+            shrink, turns = 0.3, 18
         offsets = np.zeros((len(side) ** len(free), 2))
         offsets[:, list(free)] = np.stack(np.meshgrid(*[side] * len(free), indexing="ij"), axis=-1).reshape(
             -1, len(free)
         )
         window, rows = self.step.copy(), np.arange(len(at))
         height = self._lift(place, at)
-        for _ in range(42):
+        for _ in range(turns):
             tried = np.clip(at[:, None] + window * offsets, self.low, self.high)
             lift = self._lift(np.repeat(place, len(offsets), axis=0), tried.reshape(-1, 2)).reshape(tried.shape[:2])
             best = np.argmax(lift, axis=1)
             better = lift[rows, best] > height
             at = np.where(better[:, None], tried[rows, best], at)
             height = np.where(better, lift[rows, best], height)
-            window = 0.6 * window
+            window = shrink * window
         return at, height
 
     def _off_poles(self, owner: NDArray, at: NDArray) -> tuple[NDArray, NDArray]:

@@ -1,8 +1,9 @@
 """3-axis passes over a NURBS surface that follow contact points: CC to CL. The tool touches there; it may gouge.
 
 The tool axis is +z. Passes run along u or v; the other parameter is spaced evenly so that no two neighbours are farther
-apart than the stepover. Between two locations the tip runs straight; where the middle of such a step would lie
-deeper than the surface allows, along the normal, by more than the tolerance, a location is put in between.
+apart than the stepover. Between two locations the tip runs straight; where such a step would lie deeper than the
+surface allows, along the normal, by more than the tolerance, a location is put in between. Its middle is looked at: a
+depth that bends one way is nowhere more than twice as large.
 """
 
 from __future__ import annotations
@@ -43,7 +44,7 @@ class Touches(NamedTuple):
 class SculpturedPath:
     """Passes with the tool axis +z; ``line`` (n,) numbers the pass of every location, ``place`` (n,) rises along it.
 
-    ``chord`` [mm] is how much deeper than the surface allows the middle of the worst step lies.
+    ``chord`` [mm] bounds how much deeper than the surface allows the worst step lies.
     """
 
     line: NDArray[np.integer]
@@ -106,7 +107,7 @@ def refined(
         middle = 0.5 * (place[step] + place[step + 1])
         between = touch(line[step], middle)
         chord = 0.5 * (found.tip[step] + found.tip[step + 1])
-        depth = np.nan_to_num(np.einsum("ni,ni->n", between.tip - chord, between.lift))
+        depth = 2.0 * np.nan_to_num(np.einsum("ni,ni->n", between.tip - chord, between.lift))
         bad = depth > tolerance
         if last or not bad.any():
             return SculpturedPath(line, place, found, float(np.max(depth, initial=0.0)))

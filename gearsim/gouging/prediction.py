@@ -1,0 +1,55 @@
+"""Local gouging predicted at the contacts of a path or over a surface, for a tool whose axis is +z."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gearsim.cutters.contact import contact_at, locate
+from gearsim.cutters.profile import Profile
+from gearsim.gouging.compare import Comparison, Decision, compare_contact
+from gearsim.gouging.surface import SurfaceContacts, surface_contacts
+from gearsim.surfaces.nurbs import NurbsSurface
+from gearsim.toolpaths.sculptured import SculpturedPath
+
+_TOUCHES = 1e-6  # mm
+
+
+@dataclass(frozen=True)
+class Prediction:
+    """Tool against part at n points: angles and tensors, their comparison, and whether the tool can touch there.
+
+    Where it cannot (``touches`` False: the surface is turned away, has no curvature, or is touched at its border
+    only) nothing is predicted: `decision` is -1.
+    """
+
+    contacts: SurfaceContacts
+    comparison: Comparison
+    touches: NDArray[np.bool_]
+
+    @property
+    def decision(self) -> NDArray:
+        """`Decision` or -1, shape (n,)."""
+        return np.where(self.touches, self.comparison.decision, -1)
+
+    @property
+    def gouges(self) -> NDArray:
+        return np.asarray(self.decision == Decision.GOUGES)
+
+
+def predict(surface: NurbsSurface, cutter: Profile, u: NDArray, v: NDArray) -> Prediction:
+    """What the tool does at points of a surface, u and v of shape (n,)."""
+    contacts = surface_contacts(surface.jet(u, v))
+    comparison = compare_contact(contact_at(cutter, contacts.theta), contacts.part)
+    return Prediction(contacts, comparison, np.isfinite(comparison.least) & (contacts.theta <= 0.5 * np.pi + _TOUCHES))
+
+
+def predict_path(surface: NurbsSurface, cutter: Profile, path: SculpturedPath) -> Prediction:
+    """The same at the contacts of a path; at the surface's border a dropped tool may touch without being tangent."""
+    t = path.touches
+    found = predict(surface, cutter, t.u, t.v)
+    with np.errstate(invalid="ignore"):
+        off = np.linalg.norm(locate(cutter, t.point, t.normal).tip - t.tip, axis=1)
+        return Prediction(found.contacts, found.comparison, found.touches & (off <= _TOUCHES))

@@ -1,0 +1,138 @@
+"""Maps over a surface's parameters: deviation and cause of overcut of every tool, and the largest usable mill."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gearsim.gouging.attribution import Cause
+from gearsim.metrology.samples import SampleGrid
+from gearsim.output.charts import pyplot
+from gearsim.output.gouging.curvature import GOUGE, TOOL
+from gearsim.result import SculpturedResult, SizeChoice, ToolCut
+
+CAUSES = {
+    Cause.NONE: ("#eef0f2", "not overcut"),
+    Cause.LOCAL: (GOUGE, "local gouging, as predicted"),
+    Cause.TIE: ("#edae49", "tie of second order"),
+    Cause.GLOBAL: ("#2e6f95", "global gouging, from a contact elsewhere"),
+    Cause.UNPREDICTED: ("#000000", "not predicted"),
+    Cause.UNKNOWN: ("#8a2be2", "cut through the window"),
+}
+_NOISE_UM = 1e-3
+
+
+def draw_deviation(result: SculpturedResult, labels: dict[str, str], file: Path) -> None:
+    """deviation.png: one row a tool; left the deviation, right what made the overcut."""
+    plt = pyplot()
+    rows = len(result.cuts)
+    figure, axes = plt.subplots(rows, 2, figsize=(13.0, 4.9 * rows + 0.9), squeeze=False, constrained_layout=True)
+    tolerance = float(result.scene["metrology"]["tolerance_um"])
+    for row, (name, cut) in enumerate(result.cuts.items()):
+        _deviation(figure, axes[row, 0], result.grid, cut, labels[name])
+        _causes(axes[row, 1], result.grid, cut, tolerance)
+    figure.suptitle(f"{result.name}: machined minus intended (+ material left, − overcut)", fontsize=14, weight="bold")
+    figure.savefig(file, dpi=100)
+    plt.close(figure)
+
+
+def _axes(axis: Any, grid: SampleGrid) -> tuple[NDArray, NDArray]:
+    axis.set_xlabel("u [share of the domain]")
+    axis.set_ylabel("v [share of the domain]")
+    return grid.length, grid.height
+
+
+def _deviation(figure: Any, axis: Any, grid: SampleGrid, cut: ToolCut, label: str) -> None:
+    um = 1e3 * cut.deviation.value
+    limit = max(float(np.nanmax(np.abs(um), initial=0.0)), _NOISE_UM)
+    x, y = _axes(axis, grid)
+    image = axis.pcolormesh(x, y, um, cmap="RdBu_r", vmin=-limit, vmax=limit, shading="gouraud", rasterized=True)
+    figure.colorbar(image, ax=axis, label="deviation [µm]")
+    _predicted(axis, grid, cut)
+    low, high = (float(f(um)) for f in (np.nanmin, np.nanmax)) if np.isfinite(um).any() else (np.nan, np.nan)
+    low, high = (0.0 if abs(w) < 1e-4 else w for w in (low, high))
+    span = f"{low:.3g} to {high:.3g} µm".replace("-", "−")
+    axis.set_title(f"{label}\n{span}", fontsize=11)
+
+
+def _causes(axis: Any, grid: SampleGrid, cut: ToolCut, tolerance_um: float) -> None:
+    from matplotlib.colors import BoundaryNorm, ListedColormap
+    from matplotlib.lines import Line2D
+    from matplotlib.patches import Patch
+
+    x, y = _axes(axis, grid)
+    colours = ListedColormap([c for c, _ in CAUSES.values()])
+    norm = BoundaryNorm(np.arange(-0.5, len(CAUSES)), len(CAUSES))
+    axis.pcolormesh(x, y, cut.made.cause, cmap=colours, norm=norm, shading="nearest", rasterized=True)
+    drawn = _predicted(axis, grid, cut)
+    there = [c for c in CAUSES if cut.made.count(c)]
+    marks: list[Any] = [Patch(color=CAUSES[c][0], label=CAUSES[c][1]) for c in there]
+    if drawn:
+        marks.append(Line2D([], [], color="k", lw=1.4, ls="--", label="border of the contacts predicted to gouge"))
+    axis.legend(handles=marks, fontsize=8, loc="upper center", bbox_to_anchor=(0.5, -0.13), ncols=2, frameon=False)
+    q = cut.rings
+    text = (
+        f"what made the overcut beyond {tolerance_um:g} µm\n{len(q.contact):,} contacts cut alone: "
+        f"{int(q.gouging.sum()):,} gouge, {int(q.disagree.sum())} against prediction"
+    )
+    axis.set_title(text, fontsize=11)
+
+
+def _predicted(axis: Any, grid: SampleGrid, cut: ToolCut) -> bool:
+    """The border between points where the tool would gouge and where not; False where there is none."""
+    least = np.where(cut.samples.touches, cut.samples.comparison.least, np.nan).reshape(grid.shape)
+    if not (np.nanmin(least, initial=0.0) < -1e-9 and np.nanmax(least, initial=0.0) > 1e-9):
+        return False
+    axis.contour(grid.length, grid.height, least, levels=[-1e-9], colors="k", linewidths=1.4, linestyles="--")
+    return True
+
+
+def draw_sizes(sizes: SizeChoice, title: str, notes: list[str], file: Path) -> None:
+    """tool_size.png: shank and corner radius of the largest mill at every point."""
+    plt = pyplot()
+    figure, axes = plt.subplots(1, 2, figsize=(13.0, 6.0), constrained_layout=True)
+    for axis, values, what in ((axes[0], sizes.shank, "shank radius R"), (axes[1], sizes.corner, "corner radius r")):
+        x, y = _axes(axis, sizes.grid)
+        known = np.unique(values[np.isfinite(values)])
+        axis.set_facecolor("#d9d9d9")
+        if len(known):
+            low, high = float(known[0]), float(known[-1])
+            spread = max(high - low, 1e-3 * high, 1e-6)
+            image = axis.pcolormesh(x, y, values, cmap="viridis", vmin=high - spread, vmax=high, shading="nearest",
+                                    rasterized=True)  # fmt: skip
+            if len(known) > 1:
+                bar = figure.colorbar(image, ax=axis, label="mm")
+                if len(known) <= 12:
+                    bar.set_ticks(list(known))
+            span = f"{low:g} to {high:g} mm" if high > low else f"{high:g} mm everywhere"
+        else:
+            span = "no mill fits anywhere"
+        axis.set_title(f"{what}: {span}", fontsize=11)
+        if not np.isfinite(values).all() and len(known):
+            axis.text(0.02, 0.02, "grey: none fits", transform=axis.transAxes, fontsize=9, color="0.25")
+    figure.suptitle(f"{title}\n" + "\n".join(notes), fontsize=11)
+    figure.savefig(file, dpi=100)
+    plt.close(figure)
+
+
+def draw_flat_rule(file: Path) -> None:
+    """flat-end-mill.png: the largest flat end mill in a bowl over the contact angle, by Khan's (6.24) and rightly."""
+    plt = pyplot()
+    eta = np.linspace(0.0, 90.0, 181)
+    figure, axis = plt.subplots(figsize=(8.0, 5.2), constrained_layout=True)
+    axis.plot(eta, 20.0 * np.sin(np.radians(eta)), color=TOOL, lw=2, label="k = k_n / sin η: the bowl's level section")
+    axis.plot(eta, 20.0 * np.cos(np.radians(eta)), color=GOUGE, lw=2, ls="--", label="as printed: k = k_n / cos η")
+    for value, colour in ((10.0, TOOL), (17.3, GOUGE)):
+        axis.plot([30.0], [value], "o", color=colour)
+        axis.annotate(f"{value:g} mm", (30.0, value), xytext=(8, -4), textcoords="offset points", fontsize=10)
+    axis.set_xlabel("η, angle of the normal from the axis [deg]")
+    axis.set_ylabel("largest R of a flat end mill [mm]")
+    axis.set_title("Khan 6.3: a flat end mill in a bowl of radius 20 mm", fontsize=12)
+    axis.legend(frameon=False)
+    axis.grid(alpha=0.25)
+    axis.spines[["top", "right"]].set_visible(False)
+    figure.savefig(file, dpi=110)
+    plt.close(figure)

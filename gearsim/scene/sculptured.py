@@ -1,0 +1,153 @@
+"""Scenes of local gouging: 3-axis passes over a NURBS surface, and contacts of which only numbers are known."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+from typing import Annotated, Any, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+from pydantic import Field, model_validator
+
+from gearsim.cutters.profile import Profile
+from gearsim.errors import InputError
+from gearsim.gouging.standard_mills import khan_mills, metric_mills, ranked
+from gearsim.gouging.worked_sections import SECTIONS
+from gearsim.scene.catalogue import AnyCutter
+from gearsim.scene.tables import Count, Length, LengthOrZero, Scene, Table
+from gearsim.surfaces.nurbs import NurbsSurface
+from gearsim.surfaces.nurbs_file import load_surfaces
+
+Share = Annotated[float, Field(ge=0.0, le=1.0, allow_inf_nan=False)]
+Margin = Annotated[float, Field(ge=0.0, lt=0.5, allow_inf_nan=False)]
+
+
+class NurbsTable(Table):
+    """Table [surface] of kind ``nurbs``: a shipped control net by name or a file (JSON, IGES, STEP)."""
+
+    kind: Literal["nurbs"]
+    file: str = Field(min_length=1)
+    number: int = Field(default=1, ge=1)
+
+    def build(self, folder: Path, window: float = 0.0) -> NurbsSurface:
+        """The surface; relative files are looked up in ``folder``. Raises InputError where there is none."""
+        beside = folder / self.file
+        found = load_surfaces(beside if beside.is_file() else self.file)
+        if self.number > len(found):
+            raise InputError(f"surface.number: {self.file} holds {len(found)} surfaces, got {self.number}")
+        return replace(found[self.number - 1], window=window)
+
+
+class SculpturedPathTable(Table):
+    """Table [toolpath]: ``contact`` follows contact points along u or v, ``drop`` lowers the tool along x or y."""
+
+    kind: Literal["contact", "drop"] = "contact"
+    along: Literal["u", "v", "x", "y"]
+    stepover_mm: Length
+    points: Count = 33
+    margin: Margin = 0.02
+    chord_um: float = Field(default=0.1, gt=0.0, allow_inf_nan=False)
+
+    @model_validator(mode="after")
+    def _fits(self) -> SculpturedPathTable:
+        right = ("u", "v") if self.kind == "contact" else ("x", "y")
+        if self.along not in right:
+            raise ValueError(f"passes of kind {self.kind!r} run along {' or '.join(right)}, got {self.along!r}")
+        return self
+
+
+class MillsTable(Table):
+    """Table [catalogue]: the end mills to choose from, by name or as pairs R, r [mm]; ``margin`` of the surface."""
+
+    mills: Literal["khan", "metric"] | tuple[tuple[Length, LengthOrZero], ...] = "khan"
+    margin: Margin = 0.02
+
+    def build(self) -> NDArray:
+        """(R, r) [mm], shape (m, 2), the largest first. Raises InputError for a corner larger than its mill."""
+        if isinstance(self.mills, str):
+            return khan_mills() if self.mills == "khan" else metric_mills()
+        mills = np.array(self.mills)
+        for shank, corner in mills:
+            if corner > shank:
+                raise InputError(f"catalogue.mills: the corner radius {corner:g} mm exceeds the mill's, {shank:g} mm")
+        return ranked(mills)
+
+
+class GougingMetrologyTable(Table):
+    """Table [metrology]: what is measured; overcut deeper than the tolerance is attributed and fails the tool."""
+
+    tolerance_um: Length = 1.0
+    rows: Count = 65
+    columns: Count = 65
+    margin: Margin = 0.02
+    window_mm: Length = 5.0
+    ring_mm: Length = 0.25
+
+
+class PlotTable(Table):
+    """Table [plot]: the contact whose curvatures are drawn, as shares of the domain."""
+
+    u: Share = 0.5
+    v: Share = 0.5
+
+
+class WorkedTable(Table):
+    """Table [reference]: worked examples printed beside ours, by section and the beginning of their names."""
+
+    sections: tuple[str, ...]
+    names: tuple[str, ...] = ()
+
+    @model_validator(mode="after")
+    def _known(self) -> WorkedTable:
+        for section in self.sections:
+            if section not in SECTIONS:
+                raise ValueError(f"no worked example in section {section!r}; there are {', '.join(SECTIONS)}")
+        return self
+
+
+class SculpturedScene(Scene):
+    """A NURBS surface cut by a tool, and by a larger and a printed one for comparison, with gouging predicted."""
+
+    surface: NurbsTable
+    cutter: AnyCutter
+    larger: AnyCutter | None = None
+    printed: AnyCutter | None = None
+    toolpath: SculpturedPathTable
+    catalogue: MillsTable = MillsTable()
+    metrology: GougingMetrologyTable = GougingMetrologyTable()
+    plot: PlotTable = PlotTable()
+    reference: WorkedTable | None = None
+
+    @model_validator(mode="after")
+    def _chord_below(self) -> SculpturedScene:
+        if self.toolpath.chord_um >= self.metrology.tolerance_um:
+            raise ValueError(
+                "toolpath.chord_um must be below metrology.tolerance_um, or straight steps would pass for gouging"
+            )
+        return self
+
+    def tools(self) -> dict[str, Profile]:
+        """The cutters by what they are here, the chosen one first."""
+        given: dict[str, Any] = {"chosen": self.cutter, "larger": self.larger, "printed": self.printed}
+        return {name: table.build() for name, table in given.items() if table is not None}
+
+    def builders(self) -> tuple[Callable[[], object], ...]:
+        return (self.tools, self.catalogue.build)
+
+
+class GougeExampleTable(Table):
+    """Table [surface] of kind ``gouge-example``: contacts known by their curvatures only."""
+
+    kind: Literal["gouge-example"]
+
+
+class GougeExampleScene(Scene):
+    """Worked examples of which only numbers are printed: compared and drawn, nothing is cut."""
+
+    surface: GougeExampleTable
+    reference: WorkedTable
+
+    def builders(self) -> tuple[Callable[[], object], ...]:
+        return ()
