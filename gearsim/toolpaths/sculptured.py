@@ -2,8 +2,8 @@
 
 The tool axis is +z. Passes run along u or v; the other parameter is spaced evenly so that no two neighbours are farther
 apart than the stepover. Between two locations the tip runs straight; where such a step would lie deeper than the
-surface allows, along the normal, by more than the tolerance, a location is put in between. Its middle is looked at: a
-depth that bends one way is nowhere more than twice as large.
+surface allows, along the normal, by more than the tolerance, a location is put in between. It is looked at in its
+quarters: a depth that bends one way is nowhere more than 1.5 times as large.
 """
 
 from __future__ import annotations
@@ -24,6 +24,7 @@ from gearsim.surfaces.nurbs import NurbsSurface
 AXIS = np.array([0.0, 0.0, 1.0])
 _ROUNDS = 10
 _PROBES = 33
+_LOOKS = (0.25, 0.75, 0.5)
 
 
 class Touches(NamedTuple):
@@ -102,19 +103,29 @@ def refined(
 ) -> SculpturedPath:
     """A path through the places of its lines, more of them where straight steps would cut too deep."""
     found = touch(line, place)
+    fresh = np.ones(len(line), dtype=bool)  # whether the step from a location to the next is still to be looked at
+    worst = 0.0
     for last in (*[False] * _ROUNDS, True):
-        step = np.flatnonzero(line[1:] == line[:-1])
-        middle = 0.5 * (place[step] + place[step + 1])
-        between = touch(line[step], middle)
-        chord = 0.5 * (found.tip[step] + found.tip[step + 1])
-        depth = 2.0 * np.nan_to_num(np.einsum("ni,ni->n", between.tip - chord, between.lift))
-        bad = depth > tolerance
-        if last or not bad.any():
-            return SculpturedPath(line, place, found, float(np.max(depth, initial=0.0)))
+        step = np.flatnonzero((line[1:] == line[:-1]) & fresh[:-1])
+        depth, middle = np.zeros(len(step)), found
+        for share in _LOOKS:
+            at = place[step] + share * (place[step + 1] - place[step])
+            between = touch(line[step], at)
+            chord = found.tip[step] + share * (found.tip[step + 1] - found.tip[step])
+            deeper = 1.5 * np.nan_to_num(np.einsum("ni,ni->n", between.tip - chord, between.lift))
+            depth = np.maximum(depth, deeper)
+            middle = between if share == 0.5 else middle
+        bad = (depth > tolerance) & (not last)
+        worst = max(worst, float(np.max(depth[~bad], initial=0.0)))
+        if not bad.any():
+            return SculpturedPath(line, place, found, worst)
         order = np.argsort(np.concatenate([np.arange(len(line)), step[bad] + 0.5]), kind="stable")
-        line = np.concatenate([line, line[step[bad]]])[order]
-        place = np.concatenate([place, middle[bad]])[order]
-        found = Touches(*(np.concatenate([a, b[bad]])[order] for a, b in zip(found, between, strict=True)))
+        fresh[:] = False
+        fresh[step[bad]] = True
+        fresh = np.concatenate([fresh, np.ones(int(bad.sum()), dtype=bool)])[order]
+        half = 0.5 * (place[step[bad]] + place[step[bad] + 1])
+        line, place = np.concatenate([line, line[step[bad]]])[order], np.concatenate([place, half])[order]
+        found = Touches(*(np.concatenate([a, b[bad]])[order] for a, b in zip(found, middle, strict=True)))
     raise AssertionError
 
 

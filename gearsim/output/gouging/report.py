@@ -93,11 +93,11 @@ def _prediction(report: dict[str, Any]) -> str:
             "overcut samples: local", "tie", "global", "**not predicted**"]  # fmt: skip
     return (
         "## Does the overcut appear where it is predicted?\n\n"
-        "Every contact on its own: the tool stands there alone and 16 rays about it are cut; the clearance must have\n"
-        "the curvature that was predicted. Then all passes together: every sample overcut beyond the tolerance is traced\n"
-        "to the contact that cut deepest. Either the tool is clear of the surface on the way there, so that another part\n"
-        "of it has hit another part of the surface (global gouging); or it is not, and then somewhere on the way the part\n"
-        "must be predicted to gouge (local).\n\n" + table(head, rows)
+        "Every contact on its own: the tool stands there alone and 16 rays about it are cut; the clearance must\n"
+        "have the curvature that was predicted. Then all passes together: every sample overcut beyond the tolerance\n"
+        "is traced to the contact that cut deepest. Either the tool is clear of the surface on the way there, so that\n"
+        "another part of it has hit another part of the surface (global gouging); or it is not, and then somewhere\n"
+        "on the way the part must be predicted to gouge (local).\n\n" + table(head, rows)
     )
 
 
