@@ -26,7 +26,7 @@ from gearsim.output.cylindrical.style import (
 )
 from gearsim.surfaces.cylindrical_gear import SIDES, CylindricalGear, Side
 
-_ROWS, _COLUMNS = 7, 11
+_ROWS, _COLUMNS = 9, 13
 
 
 def draw_topography(maps: Mapping[Side, FlankMap], gear: CylindricalGear, title: str, file: Path) -> None:
