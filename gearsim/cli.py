@@ -62,6 +62,7 @@ def _parser() -> argparse.ArgumentParser:
     new.add_argument("--like", default="spiral-bevel-flank", help="built-in scene to copy (default: %(default)s)")
     new.set_defaults(command=_new)
 
+    _add_gouge(commands)
     _add_verify(commands)
     _add_bench(commands)
     return parser
@@ -89,6 +90,34 @@ def _add_run(commands: Any) -> None:
     )
     run.add_argument("--dry-run", action="store_true", help="say what would be cut, how large, how long; cut nothing")
     run.set_defaults(command=_run)
+
+
+def _add_gouge(commands: Any) -> None:
+    gouge = commands.add_parser(
+        "gouge",
+        help="say where a cutter gouges a NURBS surface, and which mill is the largest that does not",
+        description="Compare the curvatures of cutter and surface at every point of a grid: where the cutter gouges, "
+        "in which directions, how deep; the largest mill of a catalogue, by Khan's thesis and truly. Nothing is cut.",
+        epilog="examples:\n  gearsim gouge khan-9-1-free-form --cutter bull diameter_mm=40 corner_radius_mm=15\n"
+        "  gearsim gouge part.step --cutter ball diameter_mm=12 --catalogue metric\n"
+        "  gearsim gouge part.json --cutter flat diameter_mm=10 --axis 0 -0.2 1 --flip\n\n"
+        "exit codes:\n  0  gouges nowhere\n  1  gouges, the report says where\n  2  bad input\n",
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )
+    gouge.add_argument("surface", help="a shipped control net or a file: .json, .igs, .iges, .stp, .step")
+    gouge.add_argument("--cutter", nargs="+", required=True, metavar=("KIND", "KEY=VALUE"),
+                       help="a cutter of the catalogue with its sizes, as in a scene's [cutter] table")  # fmt: skip
+    gouge.add_argument("--catalogue", default="khan", metavar="NAME|FILE",
+                       help="end mills to choose from: khan (default), metric, or a file of R, r [mm]")  # fmt: skip
+    gouge.add_argument("--number", type=_positive, default=1, help="which surface of the file (default: 1)")
+    gouge.add_argument("--flip", action="store_true", help="turn the surface's normals round")
+    gouge.add_argument("--axis", type=float, nargs=3, default=(0.0, 0.0, 1.0), metavar=("X", "Y", "Z"),
+                       help="tool axis, away from the tip (default: 0 0 1)")  # fmt: skip
+    gouge.add_argument("--grid", type=_positive, default=256, help="points a side (default: %(default)s)")
+    gouge.add_argument("--margin", type=float, default=0.0, help="share of the surface left out at every edge")
+    gouge.add_argument("--out", type=Path, metavar="DIR", help="also write report, pictures and maps")
+    gouge.add_argument("--device", default="cpu", help="cpu (default) or cuda:0, cuda:1, ...")
+    gouge.set_defaults(command=_gouge)
 
 
 def _add_verify(commands: Any) -> None:
@@ -178,6 +207,12 @@ def _new(options: argparse.Namespace) -> int:
         raise InputError(f"cannot write {target}: {error.strerror}") from error
     print(f"wrote {target}; edit it, then: gearsim run {target}")
     return 0
+
+
+def _gouge(options: argparse.Namespace) -> int:
+    from gearsim.sculptured.command import gouge
+
+    return gouge(options)
 
 
 def _positive(text: str) -> int:

@@ -216,6 +216,21 @@ class SculpturedResult(Result):
 
 
 @dataclass(frozen=True)
+class GougeCheck(Result):
+    """A surface looked at for local gouging by one tool, nothing cut: prediction at the points of a grid (row-major).
+
+    ``worst``: the row-major index of the point that gouges most or is closest to it; -1: the tool reaches none.
+    """
+
+    surface: NurbsSurface
+    cutter: Profile
+    axis: NDArray
+    samples: Prediction
+    sizes: SizeChoice
+    worst: int
+
+
+@dataclass(frozen=True)
 class GougeExampleResult(Result):
     """Worked examples of which only numbers are printed, of the given ``sections``."""
 

@@ -1,17 +1,18 @@
-"""Local gouging predicted at the contacts of a path or over a surface, for a tool whose axis is +z."""
+"""Local gouging predicted at the contacts of a path or over a surface."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from gearsim.cutters.contact import contact_at, locate
 from gearsim.cutters.profile import Profile
 from gearsim.gouging.compare import Comparison, Decision, compare_contact
 from gearsim.gouging.surface import SurfaceContacts, surface_contacts
 from gearsim.surfaces.nurbs import NurbsSurface
+from gearsim.surfaces.patch import Jet
 from gearsim.toolpaths.sculptured import SculpturedPath
 
 _TOUCHES = 1e-6  # mm
@@ -40,8 +41,13 @@ class Prediction:
 
 
 def predict(surface: NurbsSurface, cutter: Profile, u: NDArray, v: NDArray) -> Prediction:
-    """What the tool does at points of a surface, u and v of shape (n,)."""
-    contacts = surface_contacts(surface.jet(u, v))
+    """What a tool whose axis is +z does at points of a surface, u and v of shape (n,)."""
+    return predict_at(surface.jet(u, v), cutter)
+
+
+def predict_at(jet: Jet, cutter: Profile, axis: ArrayLike = (0.0, 0.0, 1.0)) -> Prediction:
+    """What the tool does at points (n,) given with their curvatures; ``axis``: its unit axis away from the tip."""
+    contacts = surface_contacts(jet, axis)
     comparison = compare_contact(contact_at(cutter, contacts.theta), contacts.part)
     return Prediction(contacts, comparison, np.isfinite(comparison.least) & (contacts.theta <= 0.5 * np.pi + _TOUCHES))
 

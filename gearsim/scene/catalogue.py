@@ -79,3 +79,4 @@ def _any_of(catalogue: Mapping[str, Callable[..., Any]], base: type[CatalogueTab
 
 AnyCutter: Any = _any_of(_TOOLS, CatalogueTable)
 AnyMachine: Any = _any_of(MACHINES, MachineTable)
+CUTTER_KEYS: dict[str, tuple[str, ...]] = {kind: tuple(_keys(make).values()) for kind, make in _TOOLS.items()}
