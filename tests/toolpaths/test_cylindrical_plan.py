@@ -178,3 +178,15 @@ def test_a_machine_without_a_table_about_the_gear_is_refused():
     hanging = replace(MACHINE, work=())
     with pytest.raises(InputError, match="cannot turn the gear"):
         plan_gear(thesis(15), hanging, usual_steps(thesis(15)))
+
+
+def test_an_operation_begins_on_the_turn_of_the_table_on_which_the_last_one_ended():
+    gear = thesis(15)
+    before, after = plan_gear(gear, MACHINE, (ReferenceRing(15.0, 22.0, 1.0), Slotting()))
+    own = slot_spaces(gear, MACHINE).blocks
+    turned = after.blocks.values[:, 4] - own.values[:, 4]
+    assert before.blocks.values[-1, 4] > 4.0 * np.pi
+    assert abs(after.blocks.start[4] - before.blocks.values[-1, 4]) <= np.pi
+    assert np.allclose(turned, turned[0], atol=1e-9)
+    assert turned[0] / (2.0 * np.pi) == pytest.approx(round(turned[0] / (2.0 * np.pi)), abs=1e-9)
+    assert np.array_equal(after.blocks.values[:, :4], own.values[:, :4])

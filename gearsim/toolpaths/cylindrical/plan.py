@@ -4,10 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
+from math import pi
+
+import numpy as np
 
 from gearsim.machines.chain import Machine
 from gearsim.programs.operation import Operation
 from gearsim.surfaces.cylindrical_gear import CylindricalGear
+from gearsim.toolpaths.cylindrical.axes import GearTable
 from gearsim.toolpaths.cylindrical.generation import finish_teeth, rough_teeth
 from gearsim.toolpaths.cylindrical.preparation import bore, face, outside_diameter, reference_ring
 from gearsim.toolpaths.cylindrical.settings import (
@@ -28,7 +32,11 @@ def plan_gear(gear: CylindricalGear, machine: Machine, steps: Sequence[Settings]
 
     Raises InputError where one of them cannot be: see the functions of the operations.
     """
-    return tuple(_numbered(_plan(gear, machine, step), i) for i, step in enumerate(steps))
+    made: list[Operation] = []
+    for i, step in enumerate(steps):
+        operation = _numbered(_plan(gear, machine, step), i)
+        made.append(_from_there_on(made[-1], operation) if made else operation)
+    return tuple(made)
 
 
 def usual_steps(gear: CylindricalGear) -> tuple[Settings, ...]:
@@ -54,6 +62,17 @@ def _plan(gear: CylindricalGear, machine: Machine, step: Settings) -> Operation:
         case ReferenceRing():
             return reference_ring(machine, step)
     raise TypeError(f"no operation for {type(step).__name__}")
+
+
+def _from_there_on(before: Operation, operation: Operation) -> Operation:
+    """The same operation some whole turns of the table farther, nearest to where the one before ended."""
+    blocks = operation.blocks
+    column = GearTable(blocks.machine, 0.0).column
+    turns = 2.0 * pi * np.round((before.blocks.values[-1, column] - blocks.start[column]) / (2.0 * pi))
+    start, values = blocks.start.copy(), blocks.values.copy()
+    start[column] += turns
+    values[:, column] += turns
+    return replace(operation, blocks=replace(blocks, start=start, values=values))
 
 
 def _numbered(operation: Operation, index: int) -> Operation:
