@@ -100,9 +100,8 @@ def read_cutter(words: Sequence[str]) -> Profile:
     except ValidationError as error:
         first = error.errors()[0]
         field = ".".join(str(p) for p in first["loc"] if p != kind)
-        raise InputError(
-            f"--cutter {kind}: {field}: {_MESSAGES.get(first['type'], first['msg'].lower())}; its keys are {', '.join(keys)}"
-        ) from None
+        what = _MESSAGES.get(first["type"], first["msg"].lower())
+        raise InputError(f"--cutter {kind}: {field}: {what}; its keys are {', '.join(keys)}") from None
     cutter: Profile = table.build()
     return cutter
 

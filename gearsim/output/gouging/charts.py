@@ -123,8 +123,12 @@ def draw_flat_rule(file: Path) -> None:
     plt = pyplot()
     eta = np.linspace(0.0, 90.0, 181)
     figure, axis = plt.subplots(figsize=(8.0, 5.2), constrained_layout=True)
-    axis.plot(eta, 20.0 * np.sin(np.radians(eta)), color=TOOL, lw=2, label="k = k_n / sin η: the bowl's level section")
-    axis.plot(eta, 20.0 * np.cos(np.radians(eta)), color=GOUGE, lw=2, ls="--", label="as printed: k = k_n / cos η")
+    axis.plot(
+        eta, 20.0 * np.sin(np.radians(eta)), color=TOOL, lw=2, label=r"$k = k_n / \sin\,\eta$: the bowl's level section"
+    )
+    axis.plot(
+        eta, 20.0 * np.cos(np.radians(eta)), color=GOUGE, lw=2, ls="--", label=r"as printed: $k = k_n / \cos\,\eta$"
+    )
     for value, colour in ((10.0, TOOL), (17.3, GOUGE)):
         axis.plot([30.0], [value], "o", color=colour)
         axis.annotate(f"{value:g} mm", (30.0, value), xytext=(8, -4), textcoords="offset points", fontsize=10)

@@ -126,7 +126,8 @@ def _report(figures: dict[str, Any], stage: Path) -> str:
     lines = "".join(f"- {line}\n" for line in _words(figures["worst"]))
     return (
         f"# {figures['surface']}\n\nThe {figures['tool']} {answer}: {figures['gouging']:,} of {figures['points']:,} "
-        f"points gouge, {figures['tie']:,} tie, {figures['free']:,} are free, {figures['not_reached']:,} out of reach.\n\n"
+        f"points gouge, {figures['tie']:,} tie, {figures['free']:,} are free, "
+        f"{figures['not_reached']:,} out of reach.\n\n"
         f"{lines}\nLocal gouging only: elsewhere on the surface the tool may still hit it; a scene of kind `nurbs` "
         "cuts and tells.\n"
         + pictures({p: text for p, text in captions.items() if (stage / p).exists()})
