@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from inspect import Parameter, signature
 from math import degrees, radians
 from typing import Annotated, Any, Literal, Union
 
 import numpy as np
-from pydantic import Field, create_model
+from pydantic import Field, TypeAdapter, ValidationError, create_model
 
 from gearsim.cutters.catalogue import CUTTERS
+from gearsim.cutters.profile import Profile
+from gearsim.errors import InputError
 from gearsim.machines.catalogue import MACHINES
 from gearsim.machines.chain import Machine
 from gearsim.scene.tables import Table
@@ -79,4 +81,39 @@ def _any_of(catalogue: Mapping[str, Callable[..., Any]], base: type[CatalogueTab
 
 AnyCutter: Any = _any_of(_TOOLS, CatalogueTable)
 AnyMachine: Any = _any_of(MACHINES, MachineTable)
-CUTTER_KEYS: dict[str, tuple[str, ...]] = {kind: tuple(_keys(make).values()) for kind, make in _TOOLS.items()}
+
+
+def read_cutter(words: Sequence[str]) -> Profile:
+    """A cutter from its kind and ``key=value`` words; the height may be left out. Raises InputError."""
+    kind, given = words[0], {}
+    for word in words[1:]:
+        key, equals, value = word.partition("=")
+        if not equals:
+            raise InputError(f"--cutter {kind} {word}: expected key=value, for instance diameter_mm=12")
+        given[key] = value
+    if kind not in _TOOLS:
+        raise InputError(f"--cutter {kind}: no such kind; there are {', '.join(_TOOLS)}")
+    keys = tuple(_keys(_TOOLS[kind]).values())
+    if "height_mm" in keys and "height_mm" not in given:
+        given["height_mm"] = repr(_TALL * max([_length(v) for k, v in given.items() if k.endswith("_mm")], default=1.0))
+    try:
+        table: Any = TypeAdapter(AnyCutter).validate_python({"kind": kind, **given})
+    except ValidationError as error:
+        first = error.errors()[0]
+        field = ".".join(str(p) for p in first["loc"] if p != kind)
+        what = _MESSAGES.get(first["type"], first["msg"].lower())
+        raise InputError(f"--cutter {kind}: {field}: {what}; its keys are {', '.join(keys)}") from None
+    cutter: Profile = table.build()
+    return cutter
+
+
+def _length(text: str) -> float:
+    """The number in a text, 1 where there is none: what is wrong with it is told by the table."""
+    try:
+        return float(text)
+    except ValueError:
+        return 1.0
+
+
+_MESSAGES = {"extra_forbidden": "unknown key", "missing": "missing"}
+_TALL = 5.0  # times the largest length given, where no height is

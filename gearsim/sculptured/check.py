@@ -6,11 +6,9 @@ from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 from time import perf_counter
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from pydantic import TypeAdapter, ValidationError
 
 from gearsim.cutters.profile import Profile
 from gearsim.errors import InputError, Status, read_input
@@ -21,12 +19,8 @@ from gearsim.gouging.sizes import largest_mills
 from gearsim.gouging.standard_mills import khan_mills, metric_mills, ranked
 from gearsim.metrology.samples import sample_grid
 from gearsim.result import GougeCheck, SizeChoice, versions
-from gearsim.scene.catalogue import CUTTER_KEYS, AnyCutter
 from gearsim.surfaces.nurbs import NurbsSurface
 from gearsim.surfaces.nurbs_file import load_surfaces
-
-_MESSAGES = {"extra_forbidden": "unknown key", "missing": "missing"}
-_TALL = 5.0  # times the largest length given, where no height is
 
 
 def check_surface(
@@ -80,30 +74,6 @@ def read_surface(name_or_path: str, number: int, flip: bool) -> tuple[NurbsSurfa
         raise InputError(f"--number {number}: {name_or_path} holds {len(surfaces)} surface(s)")
     surface = surfaces[number - 1]
     return (replace(surface, flip=not surface.flip) if flip else surface), len(surfaces)
-
-
-def read_cutter(words: Sequence[str]) -> Profile:
-    """A cutter from its kind and ``key=value`` words; the height may be left out. Raises InputError."""
-    kind, given = words[0], {}
-    for word in words[1:]:
-        key, equals, value = word.partition("=")
-        if not equals:
-            raise InputError(f"--cutter {kind} {word}: expected key=value, for instance diameter_mm=12")
-        given[key] = value
-    keys = CUTTER_KEYS.get(kind)
-    if keys is None:
-        raise InputError(f"--cutter {kind}: no such kind; there are {', '.join(CUTTER_KEYS)}")
-    if "height_mm" in keys and "height_mm" not in given:
-        given["height_mm"] = repr(_TALL * max([_number(v) for k, v in given.items() if k.endswith("_mm")], default=1.0))
-    try:
-        table: Any = TypeAdapter(AnyCutter).validate_python({"kind": kind, **given})
-    except ValidationError as error:
-        first = error.errors()[0]
-        field = ".".join(str(p) for p in first["loc"] if p != kind)
-        what = _MESSAGES.get(first["type"], first["msg"].lower())
-        raise InputError(f"--cutter {kind}: {field}: {what}; its keys are {', '.join(keys)}") from None
-    cutter: Profile = table.build()
-    return cutter
 
 
 def read_mills(name_or_path: str) -> NDArray:

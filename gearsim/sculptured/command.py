@@ -9,7 +9,8 @@ from rich.console import Console
 from gearsim.errors import InputError
 from gearsim.output.files import staged
 from gearsim.output.gouging.check import print_check, write_check
-from gearsim.sculptured.check import check_surface, read_cutter, read_mills, read_surface
+from gearsim.scene.catalogue import read_cutter
+from gearsim.sculptured.check import check_surface, read_mills, read_surface
 
 
 def gouge(options: argparse.Namespace) -> int:

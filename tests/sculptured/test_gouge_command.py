@@ -7,7 +7,8 @@ import pytest
 
 from gearsim.cli import main
 from gearsim.errors import InputError
-from gearsim.sculptured.check import check_surface, read_cutter, read_mills
+from gearsim.scene.catalogue import read_cutter
+from gearsim.sculptured.check import check_surface, read_mills
 from gearsim.surfaces.nurbs_file import load_surfaces, write_surfaces
 from tests.surfaces.nurbs_shapes import rebuilt, sphere, wavy
 
