@@ -13,6 +13,7 @@ from gearsim.errors import InputError, read_input
 from gearsim.generation_milling.disturbance import Disturbance
 from gearsim.generation_milling.probing import Probing, probing
 from gearsim.machines.chain import Machine
+from gearsim.metrology.gear_inspection import gear_size
 from gearsim.programs.gcode import Program, ReadSettings, read_program
 from gearsim.programs.operation import Operation, Tool
 from gearsim.programs.post import write_program
@@ -87,9 +88,10 @@ class GearJob:
 def plan(scene: GenerationMillingScene, folder: Path) -> GearJob:
     """Plan and post a scene's gear and read the program back; or read the user's own, relative to ``folder``.
 
-    Raises InputError where the gear cannot be cut this way, or for a program that cannot be read.
+    Raises InputError where the gear cannot be cut this way or has no tolerances, or for a program that cannot be read.
     """
     gear, machine, steps = scene.gear(), scene.controller(), scene.paths()
+    gear_size(gear)
     operations: tuple[Operation, ...] = ()
     if scene.program.file:
         text = read_input(folder / scene.program.file, "program")

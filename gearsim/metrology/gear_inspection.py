@@ -64,8 +64,7 @@ class GearInspection:
     @property
     def size(self) -> GearSize:
         """What the tolerances depend on. Raises InputError outside the standard's scope."""
-        gear = self.gear
-        return GearSize(gear.teeth, gear.module, 2.0 * gear.reference_radius, gear.facewidth, gear.helix_angle)
+        return gear_size(self.gear)
 
     @property
     def tolerances_um(self) -> dict[str, float]:
@@ -94,6 +93,11 @@ class GearInspection:
                 values[side] |= {f"f_H{name}": found.slope_um, f"f_f{name}": found.form_um, f"F_{name}": found.total_um}
         missing = {n: sum(int(np.isnan(values[side][n]).sum()) for side in SIDES) for n in PARAMETERS}
         return values, missing
+
+
+def gear_size(gear: CylindricalGear) -> GearSize:
+    """What a gear's tolerances depend on. Raises InputError outside the standard's scope."""
+    return GearSize(gear.teeth, gear.module, 2.0 * gear.reference_radius, gear.facewidth, gear.helix_angle)
 
 
 def largest(values: NDArray) -> float:

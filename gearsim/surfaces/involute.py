@@ -17,6 +17,8 @@ from gearsim.geometry.series import Series
 from gearsim.surfaces.cylindrical_gear import CylindricalGear, Side, flank_sign
 from gearsim.surfaces.flank_modification import FlankModification
 
+_STEEPEST = 1.45  # rad; a normal closer to the middle's direction meets it too far off to matter
+
 
 @dataclass(frozen=True)
 class FlankJet:
@@ -115,12 +117,13 @@ class InvoluteFlank:
         """Lengths [mm] of the normal inside half the tooth and inside half the space, shape (n,).
 
         Seen along the contact line the normal touches the base circle, and the middle of the space (of the tooth)
-        crosses it at the roll y = tan(xi + s eta_b) (minus s psi_b); one Newton step leads from there to the
-        normal's own heights.
+        crosses it at the roll y = tan(xi + s eta_b) (minus s psi_b), or hardly ever; one Newton step leads from there
+        to the normal's own heights.
         """
         gear, s = self.gear, self.gear.sign
         c, lean = cos(gear.base_helix_angle), sin(gear.base_helix_angle) ** 2 / cos(gear.base_helix_angle)
-        tooth, space = np.tan(u - s * gear.tooth_half_angle), np.tan(u + s * gear.space_half_angle)
+        angles = (u - s * gear.tooth_half_angle, u + s * gear.space_half_angle)
+        tooth, space = (np.tan(np.clip(angle, -_STEEPEST, _STEEPEST)) for angle in angles)
         inward, outward = s * gear.base_radius * (u - tooth), s * gear.base_radius * (space - u)
         return inward / (c + lean * (1.0 + tooth**2)), outward / (c + lean * (1.0 + space**2))
 

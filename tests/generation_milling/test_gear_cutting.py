@@ -211,3 +211,8 @@ def test_a_linear_relief_is_exact_on_both_sides_of_its_kink(device):
         off = np.abs(found.profile[side].from_design_um)
         assert np.median(off) < 1e-4
         assert off.max() < 0.02
+
+
+def test_a_gear_beyond_the_standard_is_refused_before_it_is_cut():
+    with pytest.raises(InputError, match="no tolerances for number of teeth"):
+        gear_job("spur-external", "surface.teeth=3")

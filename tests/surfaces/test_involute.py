@@ -174,3 +174,13 @@ def test_spaces_and_sides_that_are_not_there_are_refused():
         InvoluteFlank(thesis(15), "left", 15)
     with pytest.raises(InputError, match="'left' or 'right'"):
         InvoluteFlank(thesis(15), "top")
+
+
+def test_windows_stay_positive_where_the_normal_never_meets_the_middle_of_the_space():
+    """Three teeth: at the tip the normal runs beside the space's middle."""
+    gear = CylindricalGear(3, 5.0, radians(20.0))
+    flank = InvoluteFlank(gear, "right")
+    u = np.linspace(0.05, gear.tip_roll, 50)
+    inward, outward = flank.windows(u, np.zeros(50))
+    assert np.all(inward > 0.0)
+    assert np.all(outward > 0.0)
