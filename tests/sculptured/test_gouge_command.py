@@ -26,6 +26,7 @@ def test_a_surface_that_is_gouged(tmp_path, capsys):
     assert report["gouging"] + report["tie"] + report["free"] + report["not_reached"] == 41 * 41
     assert report["worst"]["least_difference_per_mm"] == pytest.approx(1.0 / 15.0 - 0.05 * np.sqrt(2.0), abs=1e-12)
     assert report["worst"]["place_mm"][0] == pytest.approx(5.0)
+    assert report["worst"]["case"].startswith("case 4")
     assert {"gouging.png", "tool_size.png", "curvature.png", "gouging.exr", "report.html"} <= {
         f.name for f in out.iterdir()
     }

@@ -9,6 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 from rich.console import Console
 
+from gearsim.cutters.contact import approach, contact_at
+from gearsim.gouging.cases import CASES, case_numbers
 from gearsim.gouging.compare import Decision
 from gearsim.gouging.prediction import Prediction
 from gearsim.gouging.surface import SurfaceContacts
@@ -96,9 +98,19 @@ def _worst(check: GougeCheck) -> dict[str, Any]:
         "place_mm": [float(x) for x in grid.point.reshape(-1, 3)[i]],
         "contact_angle_deg": float(np.degrees(check.samples.contacts.theta[i])),
         "least_difference_per_mm": number(float(f.least[i])),
+        "case": _case(check, i),
         "directions_deg": [[float(a), float(b)] for a, b in arcs],
         "depth_um_1_mm_beside": 1e3 * float(f.depth(_STEP)[i]),
     }
+
+
+def _case(check: GougeCheck, i: int) -> str:
+    """How the principal curvatures interleave at one point: Khan's case, or the seventh, in words."""
+    contact = contact_at(check.cutter, check.samples.contacts.theta[i])
+    tool = sorted((float(contact.weaker), float(contact.around)), reverse=True)
+    high, low, _ = check.samples.contacts.part[i].principal()
+    case = CASES[int(case_numbers(*tool, high, low))]
+    return f"case {case.number}, {case.condition}: {case.outcome} ({case.source})"
 
 
 def _words(worst: dict[str, Any] | None) -> list[str]:
@@ -108,9 +120,10 @@ def _words(worst: dict[str, Any] | None) -> list[str]:
     where = f"at u = {worst['u']:.4g}, v = {worst['v']:.4g}, ({place}) mm"
     least = f"least difference of curvature {worst['least_difference_per_mm']:.4g}/mm"
     if not worst["directions_deg"]:
-        return [f"tightest {where}: {least}"]
+        return [f"tightest {where}: {least}", worst["case"]]
     return [
         f"worst {where}: {least}",
+        worst["case"],
         f"there it cuts {worst['depth_um_1_mm_beside']:.3g} um deep 1 mm beside the contact, in the directions "
         f"{arcs_words(np.array(worst['directions_deg']))} (counter-clockwise from uphill)",
     ]
@@ -200,8 +213,6 @@ def _strokes(axis: Any, check: GougeCheck, least: NDArray) -> None:
 
 
 def _worst_tangents(check: GougeCheck, at: NDArray) -> NDArray:
-    from gearsim.cutters.contact import approach
-
     normal = check.sizes.grid.normal.reshape(-1, 3)[at]
     uphill = approach(normal, check.axis).uphill
     angle = check.samples.comparison.worst[at][:, None]
