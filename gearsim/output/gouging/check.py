@@ -107,9 +107,9 @@ def _worst(check: GougeCheck) -> dict[str, Any]:
 def _case(check: GougeCheck, i: int) -> str:
     """How the principal curvatures interleave at one point: Khan's case, or the seventh, in words."""
     contact = contact_at(check.cutter, check.samples.contacts.theta[i])
-    tool = sorted((float(contact.weaker), float(contact.around)), reverse=True)
+    low_tool, high_tool = sorted((float(contact.weaker), float(contact.around)))
     high, low, _ = check.samples.contacts.part[i].principal()
-    case = CASES[int(case_numbers(*tool, high, low))]
+    case = CASES[int(case_numbers(high_tool, low_tool, high, low))]
     return f"case {case.number}, {case.condition}: {case.outcome} ({case.source})"
 
 
