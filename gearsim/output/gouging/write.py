@@ -54,7 +54,10 @@ def size_notes(sizes: SizeChoice) -> list[str]:
         gouges = " (gouges)" if mill.get("gouges") else ""
         size = "none" if mill["shank_mm"] is None else f"R = {mill['shank_mm']:g}, r = {mill['corner_mm']:.4g} mm"
         words.append(f"{name}: {size}{gouges}")
-    return ["one mill for the whole surface: " + "; ".join(words)]
+    notes = ["one mill for the whole surface: " + "; ".join(words)]
+    if figures["optimum"]["shank_mm"] is None:
+        notes.append("no mill of the catalogue fits all contacts at once; a margin leaves the surface's edges out")
+    return notes
 
 
 def _draw_sheet(sheet: Sheet, stage: Path) -> None:
