@@ -14,10 +14,10 @@ from typing import Any
 import warp as wp
 
 from gearsim.errors import InputError, NumericalError
-from gearsim.kernels import envelope, removal, ring_removal
+from gearsim.kernels import envelope, nurbs, removal, ring_removal
 
 ARCHITECTURE = 90
-KERNELS = {"removal": removal, "ring_removal": ring_removal, "envelope": envelope}
+KERNELS = {"removal": removal, "ring_removal": ring_removal, "envelope": envelope, "nurbs": nurbs}
 _COLUMNS = ("module", "kernel", "PTX KB", "code KB", "registers", "stack B", "spilled B", "reloaded B")
 _EXECUTABLE = 0x4
 _REMEDY = "pip install --upgrade nvidia-cuda-nvcc"

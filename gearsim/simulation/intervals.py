@@ -47,9 +47,10 @@ def concatenate(sets: Sequence[IntervalSet]) -> IntervalSet:
 
 def from_lists(count: NDArray, lo: NDArray, hi: NDArray, lo_segment: NDArray, hi_segment: NDArray) -> IntervalSet:
     """Compact interval lists of fixed slots, shape (rays, slots), ``count`` used in each."""
-    used = np.arange(lo.shape[1]) < count[:, None]
     first = np.concatenate([[0], np.cumsum(count)])
-    return IntervalSet(first, lo[used], hi[used], lo_segment[used], hi_segment[used])
+    within = np.arange(first[-1]) - np.repeat(first[:-1], count)
+    place = np.repeat(lo.shape[1] * np.arange(len(count)), count) + within
+    return IntervalSet(first, *(column.ravel()[place] for column in (lo, hi, lo_segment, hi_segment)))
 
 
 def unite(sets: Sequence[IntervalSet]) -> IntervalSet:
