@@ -14,7 +14,7 @@ from gearsim.generation_milling.disturbance import Disturbance
 from gearsim.generation_milling.probing import Probing, probing
 from gearsim.machines.chain import Machine
 from gearsim.metrology.gear_inspection import gear_size
-from gearsim.programs.gcode import Program, ReadSettings, read_program
+from gearsim.programs.gcode import Program, read_program
 from gearsim.programs.operation import Operation, Tool
 from gearsim.programs.post import write_program
 from gearsim.programs.post_options import Header, PostOptions
@@ -94,13 +94,15 @@ def plan(scene: GenerationMillingScene, folder: Path) -> GearJob:
     gear_size(gear)
     operations: tuple[Operation, ...] = ()
     if scene.program.file:
-        text = read_input(folder / scene.program.file, "program")
+        file = folder / scene.program.file
+        text = read_input(file, "program")
+        program = read_program(file, machine, dialect=scene.program.dialect)
     else:
         exact = planned(gear, machine, steps, scene.program.tip_control)
         options = scene.program.options()
         operations = tuple(as_printed(op, options, step.cutting.feed) for op, step in zip(exact, steps, strict=True))
         text = write_program(operations, _header(scene, gear), options)
-    program = read_program(text, machine, dialect=scene.program.dialect, settings=ReadSettings())
+        program = read_program(text, machine)
     job = GearJob(scene, gear, machine, steps, operations, text, program, {})
     if unknown := sorted(set(np.unique(program.blocks.tool).tolist()) - set(job.tools) - {0}):
         raise InputError(f"program: tool T{unknown[0]} is not among the scene's tools")

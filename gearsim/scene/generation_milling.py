@@ -105,7 +105,7 @@ class CylindricalGearTable(Table):
 
 
 class GearProgramTable(PostTable):
-    """Table [program]: how the G-code is written, or a ``file`` of the user's own that is cut instead."""
+    """Table [program]: how the G-code is written, or a ``file`` of the user's own in a ``dialect``, cut instead."""
 
     tip_control: bool = False
     file: str = ""
