@@ -32,7 +32,7 @@ def draw_surfaces(data: dict[str, NDArray], surfaces: dict[str, Any], file: Path
         if np.isfinite(tip).all():
             _add_tool(plotter, data[f"gouge:{name}:profile"], tip, float(np.max(np.asarray(mesh.points)[:, 2])))
         plotter.add_text(f"{data[f'gouge:{name}:label']}\n+ material left, - overcut", color="black", font_size=11)
-        _look(plotter, mesh, data[f"patch:{name}:normal"])
+        _look(plotter, data[f"patch:{name}:normal"])
     plotter.screenshot(str(file))
 
 
@@ -56,10 +56,11 @@ def _add_tool(plotter: Any, profile: NDArray, tip: NDArray, top: float) -> None:
         plotter.add_mesh(pv.lines_from_points(line), color="#3d4752", line_width=1.4, opacity=0.6)
 
 
-def _look(plotter: Any, mesh: Any, normal: NDArray) -> None:
-    """From the tool's side of the surface, a little from above and across."""
+def _look(plotter: Any, normal: NDArray) -> None:
+    """At the surface and the tool, whole, from the tool's side, a little from above and across."""
+    low, high = np.reshape(plotter.renderer.bounds, (3, 2)).T
     out = np.nanmean(normal.reshape(-1, 3), axis=0) * [1.0, 1.0, 0.0]
     out = out / np.linalg.norm(out) if np.linalg.norm(out) > 1e-6 else np.array([1.0, 0.0, 0.0])
-    side, centre = np.cross([0.0, 0.0, 1.0], out), np.asarray(mesh.center)
-    eye = centre + 2.95 * float(mesh.length) * (0.7 * out + 0.5 * side + 0.5 * np.array([0.0, 0.0, 1.0]))
+    side, centre = np.cross([0.0, 0.0, 1.0], out), 0.5 * (low + high)
+    eye = centre + 2.7 * float(np.linalg.norm(high - low)) * (0.7 * out + 0.5 * side + 0.5 * np.array([0.0, 0.0, 1.0]))
     plotter.camera_position = [tuple(eye), tuple(centre), (0.0, 0.0, 1.0)]
