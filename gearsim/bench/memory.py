@@ -22,7 +22,6 @@ from gearsim.bench.workloads import (
     flank_job,
     inspections,
     pass_over_dexels,
-    some_rows,
 )
 from gearsim.simulation import removal
 from gearsim.simulation.removal import SLOT_BYTES, Job, Removal, cut, cut_jobs, tile_rays
@@ -101,7 +100,7 @@ def _case(kind: str, count: int) -> Case:
         job = flank_job()
         return Case("", about_dexels(count), job.program, job.cutter)
     whole = block_case(count / 500_000.0)
-    return whole._replace(rays=block_rays(1e-3, 1.0), table=some_rows(whole.table, slice(0, count)))
+    return whole._replace(rays=block_rays(1e-3, 1.0), table=whole.table.part(slice(0, count)))
 
 
 def _cut(kind: str, count: int, tile: int) -> Peak:

@@ -11,7 +11,7 @@ from gearsim.bench.ceiling import ceiling
 from gearsim.bench.counting import key, poses_evaluated
 from gearsim.bench.roofline import COLUMNS, roofline
 from gearsim.bench.timing import REPEATS, Cuts, timed_cuts, timed_row
-from gearsim.bench.workloads import Case, base_cases, block_case, flank_job, normals, some_rows
+from gearsim.bench.workloads import Case, base_cases, block_case, flank_job, normals
 from gearsim.simulation.removal import prepare
 
 TOLERANCES = (1e-6, 1e-9)
@@ -50,7 +50,7 @@ def segment_decades(size: str) -> list[Case]:
     cases = []
     for n in _SEGMENTS:
         chosen = np.linspace(0, len(whole.table) - 1, min(n, len(whole.table))).astype(int)
-        cases.append(whole._replace(name="more segments, tri-dexel", table=some_rows(whole.table, chosen)))
+        cases.append(whole._replace(name="more segments, tri-dexel", table=whole.table.part(chosen)))
     return cases
 
 

@@ -22,7 +22,7 @@ from gearsim.bench.memory import (
     tile_bytes,
 )
 from gearsim.bench.timing import Cuts, timed_cuts
-from gearsim.bench.workloads import Case, about_dexels, block_case, flank_job, inspections, normals, some_rows
+from gearsim.bench.workloads import Case, about_dexels, block_case, flank_job, inspections, normals
 from gearsim.simulation.removal import TILE_BYTES, Job, cut, cut_jobs, prepare
 
 RAYS = {"small": (100, 1_000, 10_000, 100_000), "large": (1_000, 10_000, 100_000, 1_000_000)}
@@ -103,7 +103,7 @@ def _segments(size: str) -> list[Case]:
     whole = block_case(BLOCK_SHARE[size], BLOCK_PITCH[size])
     counts = [min(n, len(whole.table)) for n in SEGMENTS[size]]
     chosen = [np.linspace(0, len(whole.table) - 1, n).astype(int) for n in counts]
-    return [whole._replace(table=some_rows(whole.table, rows)) for rows in chosen]
+    return [whole._replace(table=whole.table.part(rows)) for rows in chosen]
 
 
 def _law(device: str, cases: list[Case], what: str) -> tuple[Law, Cuts]:

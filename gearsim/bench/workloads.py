@@ -101,7 +101,7 @@ def pass_over_dexels() -> Case:
     job = flank_job()
     table = job.theory["convex"].table
     ends = round(0.19 * len(table))
-    return Case("tri-dexel, one pass", slot_dexels(), some_rows(table, slice(ends, len(table) - ends)), job.cutter)
+    return Case("tri-dexel, one pass", slot_dexels(), table.part(slice(ends, len(table) - ends)), job.cutter)
 
 
 def base_cases() -> list[Case]:
@@ -155,8 +155,3 @@ def compiled(path: CLMotion, cutter: Profile) -> SegmentTable:
         part = slice(begin, min(begin + COMPILED_AT_ONCE, path.pieces) + 1)
         tables.append(compile_motion(CLMotion(path.tips[part], path.axes[part]), cutter.reach))
     return join(tables)
-
-
-def some_rows(table: SegmentTable, chosen: NDArray | slice) -> SegmentTable:
-    """A selection of a table's rows."""
-    return SegmentTable(**{name: getattr(table, name)[chosen] for name in table.__dataclass_fields__})

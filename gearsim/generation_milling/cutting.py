@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -41,8 +41,7 @@ class ToolMotion:
 
     def part(self, chosen: NDArray[np.bool_]) -> SegmentTable:
         """The rows of the chosen blocks."""
-        rows = chosen[self.blocks]
-        return SegmentTable(**{f.name: getattr(self.table, f.name)[rows] for f in fields(SegmentTable)})
+        return self.table.part(chosen[self.blocks])
 
     def passes(self, chosen: NDArray[np.bool_]) -> list[MotionSource]:
         """The exact motion of the chosen feed blocks, cut up at the rapids between them."""
@@ -75,17 +74,15 @@ class ProgramCut:
 
 
 def run_program(
-    blocks: Blocks, tools: Mapping[int, Tool], real: Disturbance, machine_for: MachineFor, tolerance: float,
-    chosen: NDArray[np.bool_] | None = None,
-) -> ProgramCut:  # fmt: skip
-    """The motions of a program's (``chosen``) blocks as a disturbed machine runs them, relative to the gear."""
+    blocks: Blocks, tools: Mapping[int, Tool], real: Disturbance, machine_for: MachineFor, tolerance: float
+) -> ProgramCut:
+    """The motions of a program's blocks as a disturbed machine runs them, relative to the gear."""
     run = replace(blocks, machine=real.machine(blocks.machine))
-    every = np.ones(len(blocks), dtype=bool) if chosen is None else chosen
     motions: list[ToolMotion] = []
     row = 0
-    for number in sorted(set(blocks.tool[every].tolist()) & set(tools)):
+    for number in sorted(set(blocks.tool.tolist()) & set(tools)):
         cutter = real.cutter(tools[number])
-        source = ProgramMotion(run, every & (blocks.tool == number))
+        source = ProgramMotion(run, blocks.tool == number)
         table = compile_motion(source, cutter.reach, tolerance).moved(real.mounting)
         motions.append(ToolMotion(cutter, source, table, real.mounting, row))
         row += len(table)

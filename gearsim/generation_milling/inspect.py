@@ -1,4 +1,4 @@
-"""Inspecting a gear that a program cut: traces, pitch, runout, roughness and a dense map of both flanks."""
+"""Inspecting a gear that a program cut: traces, pitch, runout and roughness."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ from gearsim.surfaces.involute import InvoluteFlank
 _ROUGH_POINTS = 1001
 
 
-def inspect(job: GearJob, cut: ProgramCut, title: str, note: str = "") -> GearInspection:
+def inspect(job: GearJob, cut: ProgramCut, title: str) -> GearInspection:
     """Probe the flanks of the job's spaces on both sides."""
     spaces, gear = job.spaces, job.gear
     profile: dict[Side, GearTraces] = {}
@@ -36,7 +36,7 @@ def inspect(job: GearJob, cut: ProgramCut, title: str, note: str = "") -> GearIn
     radius = float(gear.radius(job.probing["left"].pitch_roll))
     pitches = {side: pitch_deviations(gear, side, points[side], radius) for side in SIDES}
     ball = runout(gear, points["left"], points["right"], radius)
-    return GearInspection(title, gear, job.scene.metrology.iso_class, profile, helix, pitches, ball, note)
+    return GearInspection(title, gear, job.scene.metrology.iso_class, profile, helix, pitches, ball)
 
 
 def roughness(job: GearJob, cut: ProgramCut) -> dict[str, Roughness]:

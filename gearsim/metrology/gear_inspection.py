@@ -50,7 +50,7 @@ class FlankMap:
 
 @dataclass(frozen=True)
 class GearInspection:
-    """What was measured of a gear, by side; ``gear_class``: the ISO class asked for, ``note``: for the reader."""
+    """What was measured of a gear, by side; ``gear_class``: the ISO class asked for."""
 
     title: str
     gear: CylindricalGear
@@ -59,7 +59,6 @@ class GearInspection:
     helix: Mapping[Side, GearTraces]
     pitch: Mapping[Side, PitchResult]
     runout: Runout
-    note: str = ""
 
     @property
     def size(self) -> GearSize:

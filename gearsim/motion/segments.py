@@ -42,6 +42,10 @@ class SegmentTable:
     def __len__(self) -> int:
         return len(self.speed)
 
+    def part(self, chosen: NDArray | slice) -> SegmentTable:
+        """The rows of a slice, index array or mask."""
+        return SegmentTable(**{f.name: getattr(self, f.name)[chosen] for f in fields(self)})
+
     def moved(self, rigid: Rigid) -> SegmentTable:
         """The same motion in another frame; exact up to rounding."""
         tip = rigid.direction(self.tip)

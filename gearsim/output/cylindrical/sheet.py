@@ -69,7 +69,6 @@ def _heading(figure: Any, y: float, text: str) -> None:
 def _header(figure: Any, inspection: GearInspection) -> None:
     top = _HEIGHT - 0.5
     _text(figure, 0.35, top, f"{inspection.title}: inspection of the gear flanks", fontsize=15, weight="bold")
-    _text(figure, 0.35, top - 0.24, inspection.note, color="0.35")
     _rule(figure, top - 0.36, (0.35, _WIDTH - 0.35), 1.2)
     for column, part in enumerate(_gear_data(inspection)):
         for i, (name, value) in enumerate(part):
