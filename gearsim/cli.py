@@ -16,7 +16,7 @@ _EXIT_CODES = """exit codes:
   0  ran, within the scene's tolerances
   1  ran, out of tolerance (the findings say where)
   2  bad input
-  3  a numerical status forbids trust
+  3  unchecked: nothing was judged or compared, or two ways of computing it disagree
 """
 
 

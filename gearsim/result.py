@@ -62,7 +62,7 @@ class Result:
 
     @property
     def exit_code(self) -> int:
-        """0 within tolerance, 1 out of it, 3 where a numerical status forbids trust."""
+        """0 within tolerance, 1 out of it, 3 where nothing was judged or compared, or the witnesses disagree."""
         return {"pass": 0, "fail": 1, "unchecked": 3}[self.verdict]
 
 

@@ -164,13 +164,16 @@ def test_rapid_moves_through_material_are_found(own_scene, tmp_path):
 
 
 @pytest.mark.filterwarnings("error")
-def test_a_program_that_misses_the_blank_is_reported_without_a_murmur(own_scene, tmp_path):
+def test_a_program_that_misses_the_blank_is_unchecked_and_says_so(own_scene, tmp_path, capsys):
     def away(text):
         return re.sub(r"(GOTO|FROM)/([-\d.]+)", lambda m: f"{m[1]}/{float(m[2]) + 500.0:.9f}", text)
 
-    assert run("run", own_scene(away), "--out", tmp_path / "out", *QUICK_FILE) == 1
+    assert run("run", own_scene(away), "--out", tmp_path / "out", *QUICK_FILE) == 3
+    said = capsys.readouterr().out
+    for surface in ("convex flank", "concave flank", "convex fillet", "bottom"):
+        assert f"no operation touches the {surface}" in said
     verdict, found = findings(tmp_path / "out")
-    assert verdict == "fail"
+    assert verdict == "unchecked"
     assert found["uncut"]["depth_um"] > 2000.0
     assert (tmp_path / "out" / "deviation.png").exists()
 

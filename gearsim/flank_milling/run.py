@@ -11,6 +11,7 @@ from gearsim.metrology.bevel import (
     FlankMotion,
     FlankPlan,
     FlankResult,
+    PatchResult,
     measure_convergence,
     measure_flank,
     measure_root,
@@ -18,8 +19,9 @@ from gearsim.metrology.bevel import (
 from gearsim.metrology.dexel_check import DexelResult, measure_dexels, slot_box
 from gearsim.metrology.findings import Finding, flank_findings, rapid_findings, root_findings
 from gearsim.metrology.machine import MachineFor, MeasuringMachine
-from gearsim.metrology.roads import LIMIT_UM
+from gearsim.metrology.roads import LIMIT_UM, RoadGap
 from gearsim.metrology.samples import SampleGrid, sample_grid
+from gearsim.metrology.verdict import no_witness, not_compared, untouched
 from gearsim.motion.segments import join
 from gearsim.programs.cldata import RAPID
 from gearsim.result import GEAR_FRAME, FlankMillingResult, Verdict, versions
@@ -44,7 +46,7 @@ def measure(job: Job, machine_for: MachineFor, device: str) -> FlankMillingResul
         findings += flank_findings(flank, metrology.tolerance_um)
     findings += rapid_findings(dexels, grids[0], rapid)
     findings += root_findings(list(root.values()), metrology.root_tolerance_um)
-    verdict, status = _verdict(list(flanks.values()), dexels, findings)
+    verdict, status = _verdict(flanks, root, dexels, findings)
     return FlankMillingResult(
         scene=scene_table(job.scene),
         device=device,
@@ -106,9 +108,13 @@ def _convergence(job: Job, machine: MeasuringMachine, side: Side, grid: SampleGr
     )
 
 
-def _verdict(flanks: list[FlankResult], dexels: DexelResult, findings: list[Finding]) -> tuple[Verdict, str]:
-    """Pass or fail by the findings; unchecked where roads and dexels do not confirm each other."""
-    gaps = [g for flank in flanks for g in (flank.gap, flank.gap_cl, *flank.inspection_gaps) if g is not None]
+def _verdict(
+    flanks: dict[Side, FlankResult], root: dict[str, PatchResult], dexels: DexelResult, findings: list[Finding]
+) -> tuple[Verdict, str]:
+    """Pass or fail by the findings; unchecked where nothing was judged or roads and dexels do not confirm it."""
+    if reasons := _nothing_judged(flanks, root, dexels):
+        return "unchecked", "; ".join(reasons)
+    gaps = [g for flank in flanks.values() for g in _gaps(flank)]
     if not all(g.trusted for g in gaps):
         worst = max(g.max_um for g in gaps)
         apart = sum(g.disagree for g in gaps)
@@ -118,3 +124,17 @@ def _verdict(flanks: list[FlankResult], dexels: DexelResult, findings: list[Find
     if dexels.check_um > LIMIT_UM:
         return "unchecked", f"the tri-dexel differs from the rays by {dexels.check_um:.3g} um (limit {LIMIT_UM:g})"
     return ("fail" if any(f.fails for f in findings) else "pass"), Status.OK.name or "OK"
+
+
+def _gaps(flank: FlankResult) -> list[RoadGap]:
+    return [g for g in (flank.gap, flank.gap_cl, *flank.inspection_gaps) if g is not None]
+
+
+def _nothing_judged(flanks: dict[Side, FlankResult], root: dict[str, PatchResult], dexels: DexelResult) -> list[str]:
+    """Judged surfaces that no pass touches, and flanks at which nothing was compared."""
+    judged = {f"the {side} flank": flank.all_passes for side, flank in flanks.items()}
+    judged |= {f"the {name}": patch.deviation for name, patch in root.items()}
+    reasons = [r for name, deviation in judged.items() for r in untouched(name, deviation)]
+    for side, flank in flanks.items():
+        reasons += not_compared(f"the {side} flank", (g for g in (flank.gap, flank.gap_cl) if g is not None))
+    return reasons + no_witness(dexels)

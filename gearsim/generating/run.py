@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 
 import numpy as np
 
@@ -14,6 +14,7 @@ from gearsim.metrology.findings import Finding, surface_findings
 from gearsim.metrology.machine import MachineFor, MeasuringMachine
 from gearsim.metrology.roads import LIMIT_UM
 from gearsim.metrology.surface import SurfaceResult, measure_surface, surface_rays
+from gearsim.metrology.verdict import no_witness, not_compared, untouched
 from gearsim.motion.segments import SegmentTable
 from gearsim.motion.sources import MotionSource
 from gearsim.result import CutResult, GeneratingResult, Verdict, versions
@@ -34,7 +35,7 @@ def measure(job: GeneratingJob, machine_for: MachineFor, device: str) -> Generat
             dexels = _dexels(job, cut, machine, motions, surfaces)
     m = job.scene.metrology
     findings = [f for c in cuts for s in c.surfaces.values() for f in surface_findings(s, m.judged, m.tolerance_um)]
-    verdict, status = _verdict(cuts, dexels, findings)
+    verdict, status = _verdict(cuts, m.judged, dexels, findings)
     return GeneratingResult(
         scene=scene_table(job.scene),
         device=device,
@@ -85,8 +86,14 @@ def _dexels(
     return measure_dexels(lambda rays: machine.removed(rays, table), box, job.blank.stock, grids)
 
 
-def _verdict(cuts: list[CutResult], dexels: DexelResult | None, findings: list[Finding]) -> tuple[Verdict, str]:
-    """Pass or fail by the findings; unchecked where closed form, envelope and removal do not confirm each other."""
+def _verdict(
+    cuts: list[CutResult], judged: Sequence[str], dexels: DexelResult | None, findings: list[Finding]
+) -> tuple[Verdict, str]:
+    """Pass or fail by the findings; unchecked where nothing was judged, or the three witnesses do not agree on it."""
+    if not judged:
+        return "unchecked", "metrology.judged names no motion: nothing was judged"
+    if reasons := [r for cut in cuts for name, s in cut.surfaces.items() for r in _nothing_judged(name, s, judged)]:
+        return "unchecked", "; ".join(reasons)
     for cut in cuts:
         for name, surface in cut.surfaces.items():
             own = surface.deviations[next(iter(cut.sources))]
@@ -104,6 +111,19 @@ def _verdict(cuts: list[CutResult], dexels: DexelResult | None, findings: list[F
                     f"the two roads differ by {worst:.3g} um on {name} (limit {LIMIT_UM:g}); {apart} samples are cut "
                     "by only one of them"
                 )
+    if reasons := no_witness(dexels):
+        return "unchecked", "; ".join(reasons)
     if dexels is not None and dexels.check_um > LIMIT_UM:
         return "unchecked", f"the tri-dexel differs from the rays by {dexels.check_um:.3g} um (limit {LIMIT_UM:g})"
     return ("fail" if any(f.fails for f in findings) else "pass"), Status.OK.name or "OK"
+
+
+def _nothing_judged(name: str, surface: SurfaceResult, judged: Sequence[str]) -> list[str]:
+    """Judged motions that do not touch a surface, or under which nothing was compared."""
+    if not surface.measurable.any():
+        return [f"no sample of {name} lies on the machined surface: nothing of it was judged"]
+    reasons = []
+    for motion in judged:
+        what = f"{name} under the motion {motion}"
+        reasons += untouched(what, surface.deviations[motion]) or not_compared(what, [surface.gaps[motion]])
+    return reasons

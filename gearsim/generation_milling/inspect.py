@@ -9,7 +9,7 @@ from gearsim.generation_milling.cutting import ProgramCut
 from gearsim.generation_milling.job import GearJob
 from gearsim.generation_milling.probing import all_rays
 from gearsim.geometry.rays import RayBundle, join_rays
-from gearsim.metrology.deviation import measure
+from gearsim.metrology.deviation import Crossing, Deviation, measure
 from gearsim.metrology.gear_inspection import GearInspection
 from gearsim.metrology.gear_pitch import pitch_deviations, runout
 from gearsim.metrology.gear_traces import GearTraces
@@ -28,15 +28,19 @@ def inspect(job: GearJob, cut: ProgramCut, title: str) -> GearInspection:
     helix: dict[Side, GearTraces] = {}
     points: dict[Side, NDArray] = {}
     bundles = [all_rays(job.probing[side], spaces) for side in SIDES]
-    for side, value in zip(SIDES, _deviations(cut, bundles), strict=True):
-        found = job.probing[side].traces(spaces, value.reshape(len(spaces), -1), job.finishing.modification)
+    untouched: dict[Side, tuple[int, ...]] = {}
+    for side, probed in zip(SIDES, _deviations(cut, bundles), strict=True):
+        by_space = probed.reshaped((len(spaces), -1))
+        missed = (by_space.crossing == Crossing.UNCUT).all(axis=1)
+        untouched[side] = tuple(space for space, is_missed in zip(spaces, missed, strict=True) if is_missed)
+        found = job.probing[side].traces(spaces, by_space.value, job.finishing.modification)
         profile[side], helix[side], pitch = found
         points[side] = np.full(gear.count, np.nan)
         points[side][list(spaces)] = pitch
     radius = float(gear.radius(job.probing["left"].pitch_roll))
     pitches = {side: pitch_deviations(gear, side, points[side], radius) for side in SIDES}
     ball = runout(gear, points["left"], points["right"], radius)
-    return GearInspection(title, gear, job.scene.metrology.iso_class, profile, helix, pitches, ball)
+    return GearInspection(title, gear, job.scene.metrology.iso_class, profile, helix, pitches, ball, untouched)
 
 
 def roughness(job: GearJob, cut: ProgramCut) -> dict[str, Roughness]:
@@ -48,8 +52,8 @@ def roughness(job: GearJob, cut: ProgramCut) -> dict[str, Roughness]:
     bundles = [window_rays(f, u, v, f.jet(u, v).normal) for f, u, v, _, _ in lines.values()]
     heights = _deviations(cut, bundles)
     return {
-        name: measure_roughness(way, 1e3 * value, degree)
-        for (name, (_, _, _, way, degree)), value in zip(lines.items(), heights, strict=True)
+        name: measure_roughness(way, 1e3 * probed.value, degree)
+        for (name, (_, _, _, way, degree)), probed in zip(lines.items(), heights, strict=True)
     }
 
 
@@ -71,8 +75,7 @@ def _rough_lines(
     ]
 
 
-def _deviations(cut: ProgramCut, bundles: list[RayBundle]) -> list[NDArray]:
-    """Deviations [mm] along the rays of several bundles, nan where not measured."""
+def _deviations(cut: ProgramCut, bundles: list[RayBundle]) -> list[Deviation]:
+    """Deviations along the rays of several bundles."""
     rays = join_rays(bundles)
-    value = measure(rays, cut.removed(rays)).value
-    return list(np.split(value, np.cumsum([len(b) for b in bundles])[:-1]))
+    return measure(rays, cut.removed(rays)).split([len(b) for b in bundles])

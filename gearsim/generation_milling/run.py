@@ -11,19 +11,21 @@ from gearsim.errors import Status
 from gearsim.generation_milling.budget import budget
 from gearsim.generation_milling.cutting import ProgramCut, run_program
 from gearsim.generation_milling.findings import gear_findings
-from gearsim.generation_milling.flank_map import measure_map
+from gearsim.generation_milling.flank_map import LAST, WHOLE, measure_map
 from gearsim.generation_milling.inspect import inspect, roughness
 from gearsim.generation_milling.job import GearJob, disturbance
 from gearsim.generation_milling.stock import gear_stock, section_rays, space_box
 from gearsim.metrology.dexel_check import DexelResult, measure_dexels
 from gearsim.metrology.findings import Finding
+from gearsim.metrology.gear_inspection import GearInspection
 from gearsim.metrology.machine import MachineFor, MeasuringMachine
 from gearsim.metrology.roads import LIMIT_UM
 from gearsim.metrology.surface import SurfaceResult
+from gearsim.metrology.verdict import no_witness, not_compared, untouched
 from gearsim.result import GearResult, Verdict, versions
 from gearsim.scene import scene_table
 from gearsim.simulation.section import Section, section
-from gearsim.surfaces.cylindrical_gear import SIDES
+from gearsim.surfaces.cylindrical_gear import SIDES, Side
 from gearsim.toolpaths.cylindrical.feed import fastest_axis
 
 GEAR_FRAME = "gear frame: z along the gear axis, z = 0 at the top face, space 0 on +x there"
@@ -52,7 +54,7 @@ def measure(job: GearJob, machine_for: MachineFor, device: str) -> GearResult:
     box = space_box(job.gear, scene.simulation.dexel_pitch_mm)
     dexels = measure_dexels(cut.removed, box, stock, [m.grid for m in maps.values()])
     findings = gear_findings(job, cut, inspection, maps, dexels)
-    verdict, status = _verdict(list(maps.values()), dexels, findings)
+    verdict, status = _verdict(_nothing_judged(job, inspection, maps, dexels), list(maps.values()), dexels, findings)
     return GearResult(
         scene=scene_table(scene),
         device=device,
@@ -111,8 +113,12 @@ def _fastest(job: GearJob) -> dict[str, tuple[float, float]]:
     return dict(zip(names, zip(largest, feeds, strict=True), strict=True))
 
 
-def _verdict(maps: list[SurfaceResult], dexels: DexelResult, findings: list[Finding]) -> tuple[Verdict, str]:
-    """Pass or fail by the findings; unchecked where the two roads or the tri-dexel do not confirm each other."""
+def _verdict(
+    nothing: list[str], maps: list[SurfaceResult], dexels: DexelResult, findings: list[Finding]
+) -> tuple[Verdict, str]:
+    """Pass or fail by the findings; unchecked where ``nothing`` was judged or the witnesses do not agree on it."""
+    if nothing:
+        return "unchecked", "; ".join(nothing)
     for surface in maps:
         for gap in surface.gaps.values():
             if not gap.trusted:
@@ -123,3 +129,23 @@ def _verdict(maps: list[SurfaceResult], dexels: DexelResult, findings: list[Find
     if dexels.check_um > LIMIT_UM:
         return "unchecked", f"the tri-dexel differs from the rays by {dexels.check_um:.3g} um (limit {LIMIT_UM:g})"
     return ("fail" if any(f.fails for f in findings) else "pass"), Status.OK.name or "OK"
+
+
+def _nothing_judged(
+    job: GearJob, inspection: GearInspection, maps: dict[Side, SurfaceResult], dexels: DexelResult
+) -> list[str]:
+    """Flanks that no operation touches, and flanks of space 1 of which the last operation cuts no sample."""
+    reasons = []
+    for side, surface in maps.items():
+        if spaces := inspection.untouched[side]:
+            numbers = ", ".join(str(space + 1) for space in spaces)
+            reasons.append(f"no operation touches the {side} flank of space {numbers}: nothing of it was judged")
+        flank = f"the {side} flank of space 1"
+        if 0 not in inspection.untouched[side]:
+            reasons += untouched(flank, surface.deviations[WHOLE])
+        if LAST not in surface.gaps:
+            last = job.program.operations[job.program.blocks.operation.max()]
+            reasons.append(f"the last operation ({last}) cuts no sample of {flank}: the two roads compared nothing")
+        else:
+            reasons += not_compared(flank, [surface.gaps[LAST]])
+    return reasons + no_witness(dexels)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from enum import IntEnum
 
@@ -38,6 +39,12 @@ class Deviation:
     @property
     def measured(self) -> NDArray:
         return self.crossing == Crossing.MEASURED
+
+    def split(self, counts: Sequence[int]) -> list[Deviation]:
+        """The deviations, shape (n,), of bundles of so many rays that were joined."""
+        ends = np.cumsum(counts)[:-1]
+        columns = (np.split(getattr(self, f), ends) for f in self.__dataclass_fields__)
+        return [Deviation(*parts) for parts in zip(*columns, strict=True)]
 
     def reshaped(self, shape: tuple[int, int]) -> Deviation:
         """The same deviations on a grid."""

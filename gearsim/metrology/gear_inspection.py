@@ -50,7 +50,10 @@ class FlankMap:
 
 @dataclass(frozen=True)
 class GearInspection:
-    """What was measured of a gear, by side; ``gear_class``: the ISO class asked for."""
+    """What was measured of a gear, by side; ``gear_class``: the ISO class asked for.
+
+    ``untouched``: the probed spaces whose flank of a side no cut reaches, from 0.
+    """
 
     title: str
     gear: CylindricalGear
@@ -59,6 +62,7 @@ class GearInspection:
     helix: Mapping[Side, GearTraces]
     pitch: Mapping[Side, PitchResult]
     runout: Runout
+    untouched: Mapping[Side, tuple[int, ...]]
 
     @property
     def size(self) -> GearSize:

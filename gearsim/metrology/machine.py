@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-import numpy as np
-
 from gearsim.cutters.profile import Profile
 from gearsim.geometry.rays import RayBundle, join_rays
 from gearsim.metrology.deviation import Deviation, measure
@@ -44,10 +42,7 @@ class MeasuringMachine:
     def measure(self, bundles: list[RayBundle], table: SegmentTable) -> list[Deviation]:
         """Deviations along the rays of several bundles, cut in one launch."""
         rays = join_rays(bundles)
-        deviation = measure(rays, self.removed(rays, table))
-        ends = np.cumsum([len(b) for b in bundles])[:-1]
-        columns = (np.split(getattr(deviation, f), ends) for f in deviation.__dataclass_fields__)
-        return [Deviation(*parts) for parts in zip(*columns, strict=True)]
+        return measure(rays, self.removed(rays, table)).split([len(b) for b in bundles])
 
 
 MachineFor = Callable[[Profile], MeasuringMachine]

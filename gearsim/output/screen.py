@@ -84,8 +84,8 @@ def print_result(result: Result, out: Path, missing: list[str]) -> None:
             f"{t['kernel']:.2f} s ({rate:.2f} M pairs/s) on {result.device}; {t['total']:.1f} s in all."
         )
     style = {"pass": "bold green", "fail": "bold red", "unchecked": "bold magenta"}[result.verdict]
-    detail = "" if result.verdict != "unchecked" else f": {result.status}"
-    _CONSOLE.print(f"verdict: [{style}]{result.verdict}[/]{detail}   report: {out / 'report.html'}")
+    detail = "" if result.verdict != "unchecked" else f": {escape(result.status)}"
+    _CONSOLE.print(f"verdict: [{style}]{result.verdict}[/]{detail}   report: {out / 'report.html'}", soft_wrap=True)
 
 
 def _print_parameters(result: GearResult) -> None:

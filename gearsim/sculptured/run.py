@@ -18,6 +18,7 @@ from gearsim.metrology.findings import Finding
 from gearsim.metrology.machine import MachineFor
 from gearsim.metrology.roads import LIMIT_UM
 from gearsim.metrology.samples import SampleGrid, sample_grid
+from gearsim.metrology.verdict import untouched
 from gearsim.result import GougeExampleResult, PlotPoint, SculpturedResult, SizeChoice, ToolCut, Verdict, versions
 from gearsim.scene import SculpturedScene, scene_table
 from gearsim.scene.sculptured import WorkedTable
@@ -55,8 +56,9 @@ def measure(job: SculpturedJob, machine_for: MachineFor, device: str) -> Sculptu
 
 def _examples(job: SculpturedJob, device: str) -> GougeExampleResult:
     rows = _worked(job.scene.reference)
+    verdict, status = _examples_verdict(rows)
     return GougeExampleResult(
-        **_common(job, device, [], "pass", Status.OK.name or "OK"),
+        **_common(job, device, [], verdict, status),
         counts={"rays": 0, "pairs": 0, "candidates": 0, "segments": 0},
         timings_s={"kernel": 0.0},
         sections=job.scene.reference.sections if job.scene.reference else (),
@@ -125,7 +127,9 @@ def _findings(scene: SculpturedScene, grid: SampleGrid, name: str, cut: ToolCut)
 
 
 def _verdict(cuts: dict[str, ToolCut], findings: list[Finding]) -> tuple[Verdict, str]:
-    """Fail where the chosen tool overcuts; unchecked where prediction and cut, or cut and search, disagree."""
+    """Fail where the chosen tool overcuts; unchecked where it cuts nothing, or prediction, cut and search disagree."""
+    if reasons := _nothing_judged(cuts["chosen"]):
+        return "unchecked", "; ".join(reasons)
     for name, cut in cuts.items():
         if cut.check_um > LIMIT_UM:
             return "unchecked", f"{name}: machined points lie {cut.check_um:.3g} um off the tool (limit {LIMIT_UM:g})"
@@ -138,3 +142,17 @@ def _verdict(cuts: dict[str, ToolCut], findings: list[Finding]) -> tuple[Verdict
                 f"{unpredicted} samples are overcut where nothing is predicted to gouge"
             )
     return ("fail" if any(f.fails for f in findings) else "pass"), Status.OK.name or "OK"
+
+
+def _nothing_judged(chosen: ToolCut) -> list[str]:
+    """Why the cut of the judged tool says nothing: it meets no sample, or no contact was compared with its cut."""
+    reasons = untouched("the surface with the chosen tool", chosen.deviation)
+    if not len(chosen.rings.contact):
+        reasons.append("no contact of the chosen tool was cut alone: prediction and cut were compared nowhere")
+    return reasons
+
+
+def _examples_verdict(rows: tuple[Any, ...]) -> tuple[Verdict, str]:
+    if not rows:
+        return "unchecked", "reference.sections and reference.names choose no worked example: nothing was compared"
+    return "pass", Status.OK.name or "OK"

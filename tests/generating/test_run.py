@@ -12,10 +12,12 @@ import pytest
 from gearsim import generating
 from gearsim.cli import main
 from gearsim.envelope import EnvelopePatch
+from gearsim.geometry.rigid import Rigid
 from gearsim.metrology.machine import MeasuringMachine
+from gearsim.motion.sources import MovedMotion
 from gearsim.programs.axis_table import parse_axis_table
 from gearsim.runner import run
-from gearsim.scene import load_scene
+from gearsim.scene import check_scene, load_scene
 
 SMALL = ("metrology.rows=3", "metrology.columns=5", "metrology.convergence=[]", "simulation.dexel_pitch_mm=1.5")
 NAMES = (
@@ -124,6 +126,41 @@ def test_files_hold_every_surface_and_the_tables_that_were_simulated(folder):
     for name, machine in scene.machines().items():
         read = parse_axis_table((folder / f"axes-{name}.csv").read_text(), machine)
         assert np.array_equal(read.values, cut.sources[name].values)
+
+
+@pytest.mark.parametrize("name", ["flat-end-envelope", "spiral-bevel-formate"])
+def test_a_scene_that_judges_no_motion_is_unchecked_and_says_so(name, tmp_path, capsys):
+    options = [a for s in (*SMALL, "metrology.judged=[]") for a in ("--set", s)]
+    assert main(["run", name, "--out", str(tmp_path / "out"), *options]) == 3
+    assert "verdict: unchecked: metrology.judged names no motion" in capsys.readouterr().out
+    assert "**UNCHECKED**: metrology.judged names no motion" in (tmp_path / "out" / "report.md").read_text()
+
+
+def test_judged_may_be_left_out_and_is_unchecked_too():
+    scene, folder = load_scene("flat-end-envelope", SMALL)
+    tables = scene.model_dump(exclude_none=True)
+    del tables["metrology"]["judged"]
+    result = run(check_scene(tables, "s"), folder=folder)
+    assert (result.verdict, result.exit_code) == ("unchecked", 3)
+
+
+def test_a_judged_motion_that_the_scene_lacks_is_refused_with_the_nearest(capsys):
+    assert main(["run", "flat-end-envelope", "--set", 'metrology.judged=["teory"]']) == 2
+    assert "metrology.judged: got 'teory'" in (err := capsys.readouterr().err)
+    assert "did you mean 'theory'?" in err
+
+
+def test_a_judged_motion_that_touches_nothing_is_unchecked():
+    scene, folder = load_scene("flat-end-envelope", SMALL)
+    job = generating.plan(scene, folder)
+    (cut,) = job.cuts
+    away = MovedMotion(cut.sources["cl"], Rigid(np.eye(3), np.array([0.0, 0.0, 500.0])))
+    lifted = replace(cut, sources={**cut.sources, "cl": away})
+    judged = scene.model_copy(update={"metrology": scene.metrology.model_copy(update={"judged": ("theory", "cl")})})
+    job = replace(job, scene=judged, cuts=(lifted,))
+    result = generating.measure(job, lambda c: MeasuringMachine(c, "cpu", 1e-9, 16), "cpu")
+    assert (result.verdict, result.exit_code) == ("unchecked", 3)
+    assert "no operation touches left under the motion cl" in result.status
 
 
 def test_a_dry_run_and_bad_tables_of_generating_scenes(capsys):

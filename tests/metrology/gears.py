@@ -40,7 +40,9 @@ def inspection(gear, size=1.0, gear_class=6, missing=False):
     stepped = {side: size * step_mm(gear, side) for side in SLOPE}
     pitch = {side: pitch_deviations(gear, side, normal) for side, normal in stepped.items()}
     out = runout(gear, stepped["left"], stepped["right"])
-    return GearInspection("synthetic", gear, gear_class, found["profile"], found["helix"], pitch, out)
+    return GearInspection(
+        "synthetic", gear, gear_class, found["profile"], found["helix"], pitch, out, {"left": (), "right": ()}
+    )
 
 
 def step_mm(gear, side):

@@ -106,6 +106,25 @@ def test_straight_moves_are_as_near_as_their_nearest_instant():
     np.testing.assert_allclose(straight_distance(cutter, start, end, point), wanted, atol=2e-3)
 
 
+def test_a_tool_that_cuts_no_sample_is_unchecked():
+    """Three passes 60 mm apart and windows of a micrometre: no ray of the grid meets a cut."""
+    few = ("toolpath.stepover_mm=60", "toolpath.points=5", "metrology.window_mm=0.001", "metrology.margin=0.1")
+    result = run(
+        "gouge-size-horizontal-free-form", overrides=(*few, "metrology.columns=8", "metrology.tolerance_um=1.0")
+    )
+    assert not result.cuts["chosen"].deviation.measured.any()
+    assert (result.verdict, result.exit_code) == ("unchecked", 3)
+    assert "no operation touches the surface with the chosen tool" in result.status
+
+
+def test_worked_examples_that_choose_none_are_unchecked():
+    assert run("gouge-cases").verdict == "pass"
+    result = run("gouge-cases", overrides=('reference.names=["no such example"]',))
+    assert result.worked == ()
+    assert (result.verdict, result.exit_code) == ("unchecked", 3)
+    assert "choose no worked example" in result.status
+
+
 def test_the_files_of_a_run(gouged, tmp_path):
     write_result(gouged, tmp_path)
     names = {f.name for f in tmp_path.iterdir()}
