@@ -23,7 +23,8 @@ from gearsim.scene import scene_table
 
 def measure(job: GeneratingJob, machine_for: MachineFor, device: str) -> GeneratingResult:
     """Measure everything the report holds; ``machine_for`` gives a measuring machine for a tool."""
-    cuts, machines, segments, dexels = [], [], 0, None
+    cuts, machines, segments = [], [], 0
+    witnesses: list[DexelResult] = []
     for cut in job.cuts:
         machine = machine_for(cut.cutter)
         motions = {name: job.compiled(cut, source) for name, source in cut.sources.items()}
@@ -32,10 +33,10 @@ def measure(job: GeneratingJob, machine_for: MachineFor, device: str) -> Generat
         machines.append(machine)
         segments += sum(len(m.table) for m in motions.values())
         if job.blank is not None:
-            dexels = _dexels(job, cut, machine, motions, surfaces)
+            witnesses.append(_dexels(job, cut, machine, motions, surfaces))
     m = job.scene.metrology
     findings = [f for c in cuts for s in c.surfaces.values() for f in surface_findings(s, m.judged, m.tolerance_um)]
-    verdict, status = _verdict(cuts, m.judged, dexels, findings)
+    verdict, status = _verdict(cuts, m.judged, witnesses, findings)
     return GeneratingResult(
         scene=scene_table(job.scene),
         device=device,
@@ -56,7 +57,7 @@ def measure(job: GeneratingJob, machine_for: MachineFor, device: str) -> Generat
         programs=dict(job.programs),
         notes=job.notes,
         blank=job.blank,
-        dexels=dexels,
+        dexels=witnesses[-1] if witnesses else None,
     )
 
 
@@ -87,7 +88,7 @@ def _dexels(
 
 
 def _verdict(
-    cuts: list[CutResult], judged: Sequence[str], dexels: DexelResult | None, findings: list[Finding]
+    cuts: list[CutResult], judged: Sequence[str], witnesses: list[DexelResult], findings: list[Finding]
 ) -> tuple[Verdict, str]:
     """Pass or fail by the findings; unchecked where nothing was judged, or the three witnesses do not agree on it."""
     if not judged:
@@ -111,10 +112,11 @@ def _verdict(
                     f"the two roads differ by {worst:.3g} um on {name} (limit {LIMIT_UM:g}); {apart} samples are cut "
                     "by only one of them"
                 )
-    if reasons := no_witness(dexels):
-        return "unchecked", "; ".join(reasons)
-    if dexels is not None and dexels.check_um > LIMIT_UM:
-        return "unchecked", f"the tri-dexel differs from the rays by {dexels.check_um:.3g} um (limit {LIMIT_UM:g})"
+    for dexels in witnesses:
+        if reasons := no_witness(dexels):
+            return "unchecked", "; ".join(reasons)
+        if dexels.check_um > LIMIT_UM:
+            return "unchecked", f"the tri-dexel differs from the rays by {dexels.check_um:.3g} um (limit {LIMIT_UM:g})"
     return ("fail" if any(f.fails for f in findings) else "pass"), Status.OK.name or "OK"
 
 

@@ -22,8 +22,8 @@ def not_compared(surface: str, gaps: Iterable[RoadGap]) -> list[str]:
     return [f"the two roads were compared at no sample of {surface}"]
 
 
-def no_witness(dexels: DexelResult | None) -> list[str]:
+def no_witness(dexels: DexelResult) -> list[str]:
     """Why the tri-dexel confirms nothing: none of its cut ends lies near a judged surface."""
-    if dexels is None or dexels.checked:
+    if dexels.checked:
         return []
     return ["no cut end of the tri-dexel lies near a judged surface; a finer simulation.dexel_pitch_mm may find some"]
