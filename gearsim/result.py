@@ -70,6 +70,7 @@ class Result:
 class FlankMillingResult(Result):
     """A flank-milled bevel tooth; ``nc_text`` is its path as a program for a machine, where the scene has one.
 
+    ``notes``: what its reader tells of a CL file (none: the path was planned).
     ``theory`` holds the planner's continuous motions (empty where the path came from a file),
     ``own_sources`` the CL motions that finish each flank.
     """
@@ -78,6 +79,7 @@ class FlankMillingResult(Result):
     cutter: Profile
     cl_text: str
     nc_text: str
+    notes: tuple[str, ...]
     flanks: dict[Side, FlankResult]
     patches: dict[str, PatchResult]
     dexels: DexelResult

@@ -182,7 +182,7 @@ def test_a_program_that_misses_the_blank_is_unchecked_and_says_so(own_scene, tmp
     ("change", "message"),
     [
         (lambda t: t.replace("GOTO/", "GOTO/nan,", 1), "my.cl, line"),
-        (lambda t: t.replace("UNITS/MM", "UNITS/INCHES"), "only UNITS/MM is supported"),
+        (lambda t: t.replace("UNITS/MM", "UNITS/CUBITS"), "expected UNITS/MM or UNITS/INCHES"),
         (lambda t: t.replace("CUTTER/", "CUTTER/9,1,3.5,1,0,0,20 $$", 1), "my.cl is for CUTTER/9, 1, 3.5, 1, 0, 0, 20"),
         (lambda t: "", "no cutting moves"),
     ],

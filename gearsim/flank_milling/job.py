@@ -3,20 +3,18 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from difflib import get_close_matches
 from pathlib import Path
 
-import numpy as np
-
 from gearsim.cutters.profile import Profile
-from gearsim.errors import InputError, read_input
 from gearsim.flank_milling.program import machine_program
 from gearsim.metrology.bevel import FlankMotion
 from gearsim.metrology.dexel_check import slot_box
 from gearsim.motion.segments import SegmentTable, compile_motion, join
 from gearsim.motion.sources import CLMotion, MotionSource
-from gearsim.programs.cldata import RAPID, CLPath, CLProgram, apt_parameters, assemble, format_cl, parse_cl
+from gearsim.programs.cldata import RAPID, CLPath, CLProgram, assemble, check_cutter, format_cl, parse_cl, read_cl_text
 from gearsim.scene import FlankMillingScene
-from gearsim.surfaces.patch import Side, Tooth
+from gearsim.surfaces.patch import SIDES, Side, Tooth
 from gearsim.toolpaths.tangent import FlankPass
 
 
@@ -26,7 +24,8 @@ class Job:
 
     ``paths`` are the program's exact motions in order, ``path_names`` their names, ``path_tables`` the
     tables compiled from them; ``theory`` holds the planner's continuous motions, by flank. ``nc_text`` is the same
-    path for the scene's machine (empty: it has none); it is written, not simulated.
+    path for the scene's machine (empty: it has none); it is written, not simulated. ``notes``: what a person must be
+    told of the user's CL file.
     """
 
     scene: FlankMillingScene
@@ -39,6 +38,7 @@ class Job:
     path_tables: tuple[SegmentTable, ...]
     planners: dict[Side, FlankPass]
     theory: dict[Side, FlankMotion]
+    notes: tuple[str, ...] = ()
 
     @property
     def program(self) -> SegmentTable:
@@ -88,10 +88,11 @@ def plan(scene: FlankMillingScene, folder: Path) -> Job:
     tooth, cutter = scene.tooth(), scene.tool()
     table = scene.toolpath
     planners: dict[Side, FlankPass] = {}
+    notes: tuple[str, ...] = ()
     if table.file is not None:
-        text = read_input(folder / table.file, "CL file")
+        text = read_cl_text(folder / table.file)
         program = parse_cl(text, str(folder / table.file))
-        _check_cutter(program, cutter, table.file)
+        notes = (*check_cutter(program.cutter, cutter, table.file), *program.notes, *_pass_notes(program))
     else:
         planners = scene.planners()
         text = _planned_program(planners, cutter, scene)
@@ -106,7 +107,7 @@ def plan(scene: FlankMillingScene, folder: Path) -> Job:
     }
     names = tuple(p.name for p in program.paths)
     nc_text = machine_program(scene, scene.program, program, cutter) if scene.program else ""
-    return Job(scene, tooth, cutter, text, nc_text, names, tuple(sources), tuple(tables), planners, theory)
+    return Job(scene, tooth, cutter, text, nc_text, names, tuple(sources), tuple(tables), planners, theory, notes)
 
 
 def _planned_program(planners: dict[Side, FlankPass], cutter: Profile, scene: FlankMillingScene) -> str:
@@ -121,11 +122,20 @@ def _planned_program(planners: dict[Side, FlankPass], cutter: Profile, scene: Fl
     return format_cl(program, scene.name, table.feed_mm_min, table.decimals)
 
 
-def _check_cutter(program: CLProgram, cutter: Profile, file: str) -> None:
-    """Refuse a CL file made for another cutter than the scene's."""
-    if program.cutter is None:
-        return
-    theirs, ours = (apt_parameters(p) for p in (program.cutter, cutter))
-    if not np.allclose(theirs, ours, rtol=0.0, atol=1e-5):
-        texts = (", ".join(f"{v:.6g}" for v in p) for p in (theirs, ours))
-        raise InputError("{} is for CUTTER/{}; the scene's [cutter] is CUTTER/{}".format(file, *texts))
+def _pass_notes(program: CLProgram) -> list[str]:
+    """Pass names that are no flank's, and flanks that no pass is named after while others are."""
+    notes = []
+    strange = {name: line for name, line in program.named if name not in SIDES}
+    if strange:
+        told = ", ".join(f"{name!r} (line {line}{_nearest(name)})" for name, line in strange.items())
+        notes.append(f"passes named after no flank: {told}; flanks are {' and '.join(SIDES)}")
+    if program.named:
+        notes += [
+            f"no pass is named {side}: every cutting pass counts as its own" for side in SIDES if not program.path(side)
+        ]
+    return notes
+
+
+def _nearest(name: str) -> str:
+    near = get_close_matches(name, SIDES, n=1, cutoff=0.6)
+    return f", did you mean {near[0]}?" if near else ""

@@ -54,6 +54,7 @@ def measure(job: Job, machine_for: MachineFor, device: str) -> FlankMillingResul
         cutter=job.cutter,
         cl_text=job.cl_text,
         nc_text=job.nc_text,
+        notes=job.notes,
         flanks=flanks,
         patches=root,
         dexels=dexels,

@@ -12,7 +12,7 @@ from gearsim.machines.chain import Machine
 from gearsim.machines.path import overruns
 from gearsim.motion.nc_step import NCStep
 from gearsim.motion.sources import MotionSource
-from gearsim.programs.cldata import CLPath, CLProgram, format_cl
+from gearsim.programs.cldata import CLPath, CLProgram, format_cl, sizes_of
 from gearsim.scene.generated import AxisPointsTable, EnvelopeScene
 
 BRANCH = {"left": 1.0, "right": -1.0}
@@ -42,7 +42,7 @@ def plan_envelope(scene: EnvelopeScene) -> GeneratingJob:
         EnvelopePatch(f.name, sources["theory"], cutter, elements, BRANCH[f.side], scene.surface.window_mm)
         for f in scene.surface.flanks
     )
-    program = CLProgram((CLPath("nc", tips, step.axes),), cutter)
+    program = CLProgram((CLPath("nc", tips, step.axes),), sizes_of(cutter))
     programs = {"toolpath.cl": format_cl(program, scene.name, 600.0, 9)}
     cut = Cut(cutter, patches, sources)
     return GeneratingJob(scene, (cut,), TEXTS, "workpiece frame of the NC program", programs)

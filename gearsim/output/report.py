@@ -32,6 +32,7 @@ def flank_milling_report(report: dict[str, Any], drawn: list[str], missing: list
         _costs(report),
         _roads(report),
         findings(report),
+        _notes(report),
         _published(report),
         _convergence(report),
         _inspection(report),
@@ -51,6 +52,11 @@ def _head(report: dict[str, Any]) -> str:
         "Deviation is measured along the outward surface normal: **positive is material left, negative is "
         "overcut**.\n"
     )
+
+
+def _notes(report: dict[str, Any]) -> str:
+    notes = "".join(f"- {note}\n" for note in report["program_notes"])
+    return f"## How the CL file was read\n\n{notes}" if notes else ""
 
 
 def _costs(report: dict[str, Any]) -> str:

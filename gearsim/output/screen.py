@@ -74,6 +74,9 @@ def print_result(result: Result, out: Path, missing: list[str]) -> None:
         flag = "[bold red]FAILS[/] " if f.fails else ""
         depth = "" if f.depth_um is None else f"{f.depth_um:.1f} um "
         _CONSOLE.print(f"{flag}{f.kind}: {f.text}: {depth}at ({place}) mm")
+    if isinstance(result, FlankMillingResult):
+        for note in result.notes:
+            _CONSOLE.print(f"[bold yellow]note[/] CL file: {escape(note)}", soft_wrap=True)
     for reason in missing:
         _CONSOLE.print(f"[bold yellow]not drawn[/] {reason}")
     t, counts = result.timings_s, result.counts

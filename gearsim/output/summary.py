@@ -42,6 +42,7 @@ def summary(result: FlankMillingResult) -> dict[str, Any]:
         "flanks": {side: _flank(flank, reference) for side, flank in result.flanks.items()},
         "root": {name: {"deviation_um": p.deviation.summary_um()} for name, p in result.patches.items()},
         "tri_dexel": dexel_figures(result.dexels),
+        "program_notes": list(result.notes),
     }
 
 

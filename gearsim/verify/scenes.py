@@ -6,9 +6,8 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-from gearsim.errors import read_input
 from gearsim.motion.sources import CLMotion, CurveMotion
-from gearsim.programs.cldata import RAPID, parse_cl
+from gearsim.programs.cldata import RAPID, check_cutter, parse_cl, read_cl_text
 from gearsim.scene import (
     EnvelopeScene,
     FaceMillingScene,
@@ -33,10 +32,19 @@ def _flank_milling(scene: FlankMillingScene, folder: Path) -> list[ClosedForm]:
     """The envelopes of the cutter's profile elements under each flank's planned path, or each path of its CL file."""
     cutter, table = scene.tool(), scene.toolpath
     if table.file is not None:
-        program = parse_cl(read_input(folder / table.file, "CL file"), str(folder / table.file))
-        sources = {p.name: CLMotion(p.tips, p.axes) for p in program.paths if p.name != RAPID}
-        return [form for name, source in sources.items() for form in envelope_forms(source, cutter, name)]
+        program = parse_cl(read_cl_text(folder / table.file), str(folder / table.file))
+        check_cutter(program.cutter, cutter, table.file)
+        cuts = [p for p in program.paths if p.name != RAPID]
+        names = [_numbered([p.name for p in cuts[: i + 1]]) for i in range(len(cuts))]
+        sources = [CLMotion(p.tips, p.axes) for p in cuts]
+        return [f for name, source in zip(names, sources, strict=True) for f in envelope_forms(source, cutter, name)]
     return [form for side, p in scene.planners().items() for form in envelope_forms(p.motion, cutter, side)]
+
+
+def _numbered(names: list[str]) -> str:
+    """The last of some names, with its number from the second of that name on."""
+    count = names.count(names[-1])
+    return names[-1] if count == 1 else f"{names[-1]} {count}"
 
 
 def _envelope(scene: EnvelopeScene, _: Path) -> list[ClosedForm]:

@@ -1,0 +1,44 @@
+"""A CL program: paths of a tool's tip and axis, and what the file says beside them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gearsim.programs.cldata.cutter import CutterSizes
+
+RAPID = "rapid"
+UNNAMED = "cut"
+
+
+@dataclass(frozen=True)
+class CLPath:
+    """Consecutive moves of one kind: ``tips`` [mm] and unit ``axes``, shape (n, 3), first point included.
+
+    ``name`` is the pass's name (UNNAMED: the file gives none), or RAPID for moves at rapid rate.
+    """
+
+    name: str
+    tips: NDArray[np.floating]
+    axes: NDArray[np.floating]
+
+
+@dataclass(frozen=True)
+class CLProgram:
+    """A CL program: its paths in order, the cutter it declares and its slowest feed in a cutting move [mm/min].
+
+    ``cutter`` and ``feed`` are None where the file states none. ``named``: the line of each pass name;
+    ``notes``: what a person must be told of the reading.
+    """
+
+    paths: tuple[CLPath, ...]
+    cutter: CutterSizes | None = None
+    feed: float | None = None
+    named: tuple[tuple[str, int], ...] = ()
+    notes: tuple[str, ...] = ()
+
+    def path(self, name: str) -> CLPath | None:
+        """The first path of that name, or None."""
+        return next((p for p in self.paths if p.name == name), None)

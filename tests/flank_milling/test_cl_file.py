@@ -1,0 +1,60 @@
+"""A user's CL file in a flank-milling scene: what is told of it, what is refused before anything is cut."""
+
+from pathlib import Path
+
+import pytest
+
+from gearsim.errors import InputError
+from gearsim.flank_milling import plan
+from gearsim.scene import load_scene
+from gearsim.verify.scenes import closed_forms
+
+DATA = Path(__file__).parents[1] / "data" / "cl"
+SCENE = DATA / "twotools65.toml"
+OWN = (DATA / "own65.cl").read_text()
+
+
+@pytest.fixture
+def planned(tmp_path):
+    scene, _ = load_scene(SCENE, ("toolpath.file=my.cl",))
+
+    def make(text, use=plan):
+        (tmp_path / "my.cl").write_text(text, encoding="latin-1")
+        return use(scene, tmp_path)
+
+    return make
+
+
+def test_pass_names_that_are_no_flanks_are_listed_with_the_nearest(planned):
+    job = planned(OWN.replace("PASS convex", "PASS convx"))
+    assert job.notes == (
+        "passes named after no flank: 'convx' (line 10, did you mean convex?); flanks are convex and concave",
+        "no pass is named convex: every cutting pass counts as its own",
+    )
+    assert job.own_paths("convex") == [1, 3]
+    assert job.own_paths("concave") == [3]
+
+
+def test_a_file_without_names_is_one_pass_for_both_flanks_and_needs_no_remark(planned):
+    job = planned(OWN.replace("PPRINT PASS", "PPRINT THE"))
+    assert job.notes == ()
+    assert job.own_paths("convex") == job.own_paths("concave") == [1, 3]
+
+
+def test_the_cutter_is_compared_by_verify_too(planned):
+    with pytest.raises(InputError, match=r"my\.cl is for CUTTER/3\.5"):
+        planned(OWN.replace("CUTTER/3.30772318,0.8", "CUTTER/3.5,0.9").replace("1.04,0.8", "1.04,0.9"), closed_forms)
+
+
+def test_verify_takes_every_path_of_a_pass_that_rapids_divide(planned):
+    lines = OWN.splitlines()
+    inside = lines.index("PPRINT PASS convex") + 50
+    text = "\n".join([*lines[:inside], "RAPID", *lines[inside:]])
+    whole, divided = ([form.name for form in planned(t, closed_forms)] for t in (OWN, text))
+    second = [name for name in divided if "convex 2" in name]
+    assert len(second) == sum("convex" in name for name in whole) > 0
+    assert len(divided) == len(whole) + len(second)
+
+
+def test_strange_letters_in_comments_do_not_stop_it(planned):
+    assert planned(OWN.replace("PARTNO sb65", "PARTNO Fräser ß $")).notes == ()

@@ -1,0 +1,64 @@
+"""Every file of tests/data/cl: small CL files that were once read wrong, and what is right."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from gearsim.errors import InputError
+from gearsim.flank_milling import plan
+from gearsim.programs.cldata import RAPID, parse_cl, read_cl_text
+from gearsim.scene import load_scene
+
+FOLDER = Path(__file__).parents[1] / "data" / "cl"
+
+
+def read(name):
+    return parse_cl(read_cl_text(FOLDER / name), name)
+
+
+def planned(name):
+    """The scene beside the files with another file's path."""
+    scene, folder = load_scene(FOLDER / "twotools65.toml", (f"toolpath.file={name}",))
+    return plan(scene, folder)
+
+
+def ipm():
+    assert read("ipm.cl").feed == 599.44
+
+
+def dollar():
+    cut, rapid = read("dollar.cl").paths
+    assert (rapid.name, rapid.tips.tolist()) == (RAPID, [[10.0, 0.0, 0.0], [10.0, 0.0, 90.0]])
+    assert cut.tips.tolist() == [[0.0, 0.0, 0.0], [10.0, 0.0, 0.0]]
+
+
+def multax():
+    (path,) = read("multax.cl").paths
+    assert path.tips.tolist() == [[0.0, 0.0, 0.0], [10.0, 0.0, 0.0]]
+    assert path.axes.tolist() == [[0.6, 0.0, 0.8], [0.0, 0.0, 1.0]]
+
+
+def own65():
+    job = planned("own65.cl")
+    assert job.path_names == (RAPID, "convex", RAPID, "concave", RAPID)
+    assert job.notes == ()
+
+
+def cutter4():
+    ours, theirs = planned("own65.cl"), planned("cutter4.cl")
+    assert theirs.notes == ()
+    assert np.array_equal(ours.program.tip, theirs.program.tip)
+
+
+def twotools65():
+    with pytest.raises(InputError, match=r"twotools65\.cl, line 119: LOADTL/2 is another tool than that of line 4"):
+        planned("twotools65.cl")
+
+
+RIGHT = {f"{case.__name__}.cl": case for case in (ipm, dollar, multax, own65, cutter4, twotools65)}
+
+
+@pytest.mark.parametrize("name", sorted(f.name for f in FOLDER.glob("*.cl")))
+def test_a_file_that_was_read_wrong_is_read_right(name):
+    RIGHT[name]()
