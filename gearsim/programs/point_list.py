@@ -9,6 +9,7 @@ material: the way the normals point) are needed; ``axis``, ``flank`` and, for a 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from difflib import get_close_matches
 from pathlib import Path
 
 import numpy as np
@@ -77,17 +78,28 @@ def parse_points(text: str, name: str) -> PointList:
     """A point list from CSV text; ``name`` stands in the messages."""
     header: dict[str, str] = {}
     rows: list[tuple[int, list[str]]] = []
-    for number, line in enumerate(text.splitlines(), 1):
+    for number, line in enumerate(text.removeprefix("\ufeff").splitlines(), 1):
         line = line.strip()
         if line.startswith("#"):
-            key, colon, value = line[1:].partition(":")
-            if colon and key.strip().lower() in _KEYS:
-                header[key.strip().lower()] = value.strip()
+            _take_key(line[1:], header, f"{name}, line {number}")
         elif line:
             rows.append((number, _fields(line)))
     if rows and not _is_number(rows[0][1][0]):
         _check_names(rows.pop(0), name)
     return _point_list(_numbers(rows, name), header, name, [f"line {number}" for number, _ in rows])
+
+
+def _take_key(comment: str, header: dict[str, str], place: str) -> None:
+    """Add a key of the header; refuse one that is misspelt or contradicts another. Other comments are free."""
+    key, colon, value = (part.strip() for part in comment.partition(":"))
+    key = key.lower()
+    if not colon:
+        return
+    if key not in _KEYS:
+        if near := get_close_matches(key, _KEYS, n=1, cutoff=0.8):
+            raise InputError(f"{place}: unknown key {key!r}; did you mean {near[0]!r}?")
+    elif header.setdefault(key, value) != value:
+        raise InputError(f"{place}: {key} {value!r} contradicts {header[key]!r} above")
 
 
 def _fields(line: str) -> list[str]:

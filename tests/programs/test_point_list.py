@@ -1,3 +1,4 @@
+import re
 from contextlib import suppress
 
 import numpy as np
@@ -53,6 +54,23 @@ def test_separators_and_column_names_are_read_as_people_write_them(change):
     points = parse_points(change(GOOD), "p")
     assert np.array_equal(points.point, [[1, 2, 3], [4, 5, 6]])
     assert np.array_equal(points.normal, [[0, 0, 1], [0, 0.6, 0.8]])
+
+
+def test_a_byte_order_mark_and_free_comments_do_not_stop_it():
+    assert len(parse_points("\ufeff" + GOOD.replace("1,2,3", "# remark: colour\n1,2,3"), "p").point) == 2
+
+
+@pytest.mark.parametrize(
+    ("line", "message"),
+    [
+        ("# colums: 2", "p, line 1: unknown key 'colums'; did you mean 'columns'?"),
+        ("# unit: mm", "p, line 1: unknown key 'unit'; did you mean 'units'?"),
+        ("# units: inch", "p, line 2: units 'mm' contradicts 'inch' above"),
+    ],
+)
+def test_a_misspelt_or_contradicted_key_is_refused(line, message):
+    with pytest.raises(InputError, match=re.escape(message)):
+        parse_points(line + "\n" + GOOD, "p")
 
 
 def test_normals_into_the_material_are_turned():
