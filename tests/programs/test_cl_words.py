@@ -59,7 +59,7 @@ def test_text_for_the_machine_and_moves_in_a_text_are_told():
         "$$ size 4 $\n0.5, 0.5 $\n,7\nGOTO/1,2,3\nGOTO/4,5,6\n",
         "goto  /  1. , 2.0000000000,+3\r\nGOTO/ 4 5 6\rGOTO 4,5,6\n",
         "\tGOTO\t/ 1,.2e1,0.3D+1\n GODLTA/3,3,3 \n",
-        "INTOL /0.01\nCUTCOM/OFF\nOUTOL/0\nCOOLNT/ON\nMACHIN/X,1\nGOTO/1,2,3\nPAINT/COLOR,42\nGOTO/4,5,6\nEND\nFINI\n",
+        "INTOL /0.1\nCUTCOM/OFF\nCYCLE / off\nCOOLNT/ON\nMACHIN/X,1\nGOTO/1,2,3\nPAINT/A,4\nGOTO/4,5,6\nEND\nFINI\n",
     ],
 )
 def test_continued_lines_comments_and_spellings(text):
@@ -130,7 +130,8 @@ def test_all_unknown_words_are_told_at_once_with_counts_and_the_nearest():
         ("GOTO/1,0,1e9999", "line 3: 1e9999 is not a finite number"),
         ("GOTO/1,2,3,4,5,6,7", "line 3: 7 numbers"),
         ("GODLTA/1", "line 3: 1 numbers; expected GODLTA/x,y,z"),
-        ("CUTCOM/LEFT,XYPLAN,1", "line 3: CUTCOM/LEFT,XYPLAN,1: compensation of the cutter is not computed"),
+        ("CUTCOM/OFF\nCUTCOM/LEFT,XYPLAN,1", "line 4: word 'CUTCOM' is not supported, but CUTCOM/OFF"),
+        ("CYCLE/DRILL,5\nCYCLE/OFF\nCYCLE/TAP", r"'CYCLE' \(2 times, first in line 3, but CYCLE/OFF\)"),
         ("RAPID/XAXIS", "line 3: RAPID/XAXIS: which way such a rapid move takes is not known"),
         ("GOTO/1,0,0\nFINI\nGOTO/2,0,0", "line 5: GOTO/2,0,0 behind FINI of line 4, where the program ends"),
         ("GOTO/1,0,0\nEND\nRAPID\nGOTO/2,0,0", "line 5: RAPID behind END of line 4"),

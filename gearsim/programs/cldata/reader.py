@@ -18,7 +18,7 @@ from gearsim.programs.cldata.notes import Notes
 from gearsim.programs.cldata.numbers import numbers
 from gearsim.programs.cldata.program import RAPID, UNNAMED, CLPath, CLProgram
 from gearsim.programs.cldata.tools import OneTool
-from gearsim.programs.cldata.words import FOR_THE_MACHINE, KNOWN, MOTION, TEXT, TOOL_DATA, unknown_words
+from gearsim.programs.cldata.words import FOR_THE_MACHINE, MOTION, TOOL_DATA, is_read, supported, unknown_words
 
 _PASS = re.compile(r"['\"]?PASS\s+([A-Z0-9_.-]+)['\"]?", re.I)
 _LIKE_PASS = re.compile(r"['\"]?PASS\b", re.I)
@@ -73,8 +73,7 @@ class _Reader:
             "GOTO": self._goto, "FROM": self._goto, "GODLTA": self._by, "RAPID": self._rapid,
             "FEDRAT": self._fedrat, "SPINDL": self._spindl, "UNITS": self._units, "UNIT": self._units,
             "MULTAX": lambda s: self.axis.multax(s.rest), "TLAXIS": lambda s: self.axis.tlaxis(s.rest),
-            "CSYS": lambda s: require_identity(s.rest), "CUTCOM": self._cutcom,
-            "CUTTER": self._cutter, "END": self._end, "FINI": self._end,
+            "CSYS": lambda s: require_identity(s.rest), "CUTTER": self._cutter, "END": self._end, "FINI": self._end,
             **dict.fromkeys(("LOADTL", "TOOLNO", "LOAD", "SELECT"), lambda s: self.tool.takes_number(s)),
         }  # fmt: skip
 
@@ -83,14 +82,14 @@ class _Reader:
         strange, ended = [], False
         for s in found:
             ended = ended or s.word in ("END", "FINI")
-            if s.text or s.word in KNOWN:
+            if s.text or is_read(s.word, s.rest):
                 continue
             if ended and not s.slash:
                 self.notes.behind_the_end(s)
             else:
                 strange.append((s.word or str(s).removeprefix("/"), s.line))
         if strange:
-            raise InputError(f"{self.name}, {unknown_words(strange)}; supported are {', '.join(sorted(KNOWN | TEXT))}")
+            raise InputError(f"{self.name}, {unknown_words(strange)}; supported are {supported()}")
 
     def take(self, s: Statement) -> None:
         if s.text:
@@ -129,10 +128,6 @@ class _Reader:
 
     def _units(self, s: Statement) -> None:
         self.units.state(s)
-
-    def _cutcom(self, s: Statement) -> None:
-        if s.rest.upper() != "OFF":
-            raise InputError(f"{s}: compensation of the cutter is not computed; expected CUTCOM/OFF or none")
 
     def _cutter(self, s: Statement) -> None:
         self.tool.takes_sizes(s, read_cutter(s.rest, self.units.take()))

@@ -7,11 +7,12 @@ from difflib import get_close_matches
 
 MOTION = ("GOTO", "FROM", "GODLTA")
 TOOL = ("CUTTER", "LOADTL", "TOOLNO", "LOAD", "SELECT")
-MODES = ("RAPID", "FEDRAT", "SPINDL", "UNITS", "UNIT", "MULTAX", "TLAXIS", "CSYS", "CUTCOM", "END", "FINI")
+MODES = ("RAPID", "FEDRAT", "SPINDL", "UNITS", "UNIT", "MULTAX", "TLAXIS", "CSYS", "END", "FINI")
 STILL = (
     "COOLNT", "MACHIN", "STOP", "OPSTOP", "DELAY", "INTOL", "OUTOL", "TOLER", "SEQNO", "PAINT", "NOPOST", "CLPRNT",
 )  # fmt: skip
 TOOL_DATA = ("CSI_SET_FLUTE_LENGTH", "CSI_SET_EXTENSION_LENGTH")
+OFF_ONLY = ("CUTCOM", "CYCLE")  # what they switch on is not computed
 KNOWN = frozenset((*MOTION, *TOOL, *MODES, *STILL, *TOOL_DATA))
 
 # Their text may follow at once: APT gives the words the first six columns.
@@ -19,6 +20,11 @@ GLUED_TEXT = ("PARTNO", "PPRINT", "TPRINT", "INSERT", "REMARK", "LETTER", "TITLE
 SPACED_TEXT = ("PRINT", "TITLE")
 TEXT = frozenset((*GLUED_TEXT, *SPACED_TEXT))
 FOR_THE_MACHINE = ("INSERT", "PPWORD")
+
+
+def is_read(word: str, rest: str) -> bool:
+    """Whether a statement that holds no text is one of those that are read."""
+    return word in KNOWN or (word in OFF_ONLY and rest.upper() == "OFF")
 
 
 def unknown_words(found: Iterable[tuple[str, int]]) -> str:
@@ -33,11 +39,18 @@ def unknown_words(found: Iterable[tuple[str, int]]) -> str:
     return f"line {first}: {len(lines)} {'words are' if len(lines) > 1 else 'word is'} not supported: {told}"
 
 
+def supported() -> str:
+    """All words that are read."""
+    return ", ".join(sorted((*KNOWN, *TEXT, *(f"{word}/OFF" for word in OFF_ONLY))))
+
+
 def _told(word: str, lines: list[int]) -> str:
     often = f"{len(lines)} times, first in line {lines[0]}" if len(lines) > 1 else f"line {lines[0]}"
     return f"{word!r} ({often}{_hint(word)})"
 
 
 def _hint(word: str) -> str:
+    if word in OFF_ONLY:
+        return f", but {word}/OFF"
     near = get_close_matches(word, sorted(KNOWN | TEXT), n=1, cutoff=0.75)
     return f", did you mean {near[0]}?" if near else ""
