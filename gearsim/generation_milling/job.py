@@ -104,8 +104,12 @@ def plan(scene: GenerationMillingScene, folder: Path) -> GearJob:
         text = write_program(operations, _header(scene, gear), options)
         program = read_program(text, machine)
     job = GearJob(scene, gear, machine, steps, operations, text, program, {})
-    if unknown := sorted(set(np.unique(program.blocks.tool).tolist()) - set(job.tools) - {0}):
+    moved = set(np.unique(program.blocks.tool).tolist())
+    if unknown := sorted(moved - set(job.tools) - {0}):
         raise InputError(f"program: tool T{unknown[0]} is not among the scene's tools")
+    if not moved & set(job.tools):
+        tools = ", ".join(f"T{number} M06" for number in sorted(job.tools))
+        raise InputError(f"program: it moves none of the scene's tools; expected {tools} and moves behind it")
     finishing = job.finishing
     return replace(job, reached={s: _reached(gear, s, finishing) for s in SIDES})
 

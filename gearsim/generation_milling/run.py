@@ -137,15 +137,18 @@ def _nothing_judged(
     """Flanks that no operation touches, and flanks of space 1 of which the last operation cuts no sample."""
     reasons = []
     for side, surface in maps.items():
-        if spaces := inspection.untouched[side]:
+        spaces = inspection.untouched[side]
+        if spaces:
             numbers = ", ".join(str(space + 1) for space in spaces)
-            reasons.append(f"no operation touches the {side} flank of space {numbers}: nothing of it was judged")
-        flank = f"the {side} flank of space 1"
-        if 0 not in inspection.untouched[side]:
-            reasons += untouched(flank, surface.deviations[WHOLE])
-        if LAST not in surface.gaps:
-            last = job.program.operations[job.program.blocks.operation.max()]
-            reasons.append(f"the last operation ({last}) cuts no sample of {flank}: the two roads compared nothing")
-        else:
-            reasons += not_compared(flank, [surface.gaps[LAST]])
+            where = f"space{'s' * (len(spaces) > 1)} {numbers}"
+            reasons.append(f"no operation touches the {side} flank of {where}: nothing of it was judged")
+        if 0 not in spaces:
+            reasons += _not_confirmed(job, surface, f"the {side} flank of space 1")
     return reasons + no_witness(dexels)
+
+
+def _not_confirmed(job: GearJob, surface: SurfaceResult, flank: str) -> list[str]:
+    if LAST in surface.gaps:
+        return untouched(flank, surface.deviations[WHOLE]) + not_compared(flank, [surface.gaps[LAST]])
+    last = job.program.operations[job.program.blocks.operation.max()]
+    return [f"the last operation ({last}) cuts no sample of {flank}: the two roads compared nothing"]

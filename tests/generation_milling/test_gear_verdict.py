@@ -2,6 +2,7 @@
 
 import pytest
 
+from gearsim.errors import InputError
 from gearsim.generation_milling.job import plan
 from gearsim.runner import run
 from gearsim.scene import load_scene
@@ -54,10 +55,15 @@ def test_a_space_that_is_left_out_is_named(own):
     assert "space 1" not in result.status
 
 
+def test_a_program_that_moves_no_tool_is_refused(own):
+    with pytest.raises(InputError, match="moves none of the scene's tools; expected T1 M06 and moves behind it"):
+        own(lambda lines: ["%", "O1", "M30", "%"])
+
+
 def test_a_program_beside_the_gear_touches_nothing(own):
     def lifted(lines):
         return [line.replace("G43 H1 Z5.0000", "G43 H1 Z55.0000").replace("Z-", "Z5") for line in lines]
 
     result = own(lifted)
     assert (result.verdict, result.exit_code) == ("unchecked", 3)
-    assert "no operation touches the left flank of space 1, 2" in result.status
+    assert "no operation touches the left flank of spaces 1, 2" in result.status
