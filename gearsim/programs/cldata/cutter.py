@@ -86,7 +86,7 @@ def _apt(sizes: Sequence[float]) -> Profile:
 
 
 def apt_parameters(cutter: Profile | CutterSizes) -> tuple[float, ...]:
-    """The seven APT parameters d, r, e, f [mm], a, b [deg], h [mm] of a cutter with a straight flank."""
+    """The APT parameters d, r, e, f [mm], a, b [deg], h [mm] of a cutter with a straight flank, or as CUTTER states."""
     if isinstance(cutter, CutterSizes):
         return cutter.sizes
     side = cutter.elements[cutter.flank]

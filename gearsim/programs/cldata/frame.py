@@ -63,21 +63,27 @@ class ToolAxis:
         if way not in ("", "ON", "OFF"):
             raise InputError(f"MULTAX/{rest}: expected MULTAX/ON or MULTAX/OFF")
         self.many = way != "OFF"
-        if not self.many and self._fixed and not np.array_equal(self.now, _UPRIGHT):
-            raise InputError(
-                "MULTAX/OFF under a tilted TLAXIS: which of them holds is open; state the axis in each point"
-            )
+        self._require_one()
         if not self.many:
             self.now = _UPRIGHT
 
     def tlaxis(self, rest: str) -> None:
         """TLAXIS/i,j,k: the axis of points that state none."""
         self.now, self._fixed = _unit(numbers(rest, (3,), "TLAXIS/i,j,k"), rest), True
+        self._require_one()
+
+    def _require_one(self) -> None:
+        if self.many is False and self._fixed and not np.array_equal(self.now, _UPRIGHT):
+            raise InputError(
+                f"MULTAX/OFF and a TLAXIS of {_shown(self.now)}: which of them holds is open; expected an axis in each "
+                "point, under MULTAX/ON"
+            )
 
     def of(self, stated: list[float]) -> NDArray:
         """The axis of a point that states these three numbers, or none."""
         if stated:
-            self.now = self._given(stated)
+            given = self._given(stated)
+            self.now, self._fixed = given, self._fixed and np.array_equal(given, self.now)
         elif self.many is False:
             self.now = _UPRIGHT
         elif self.many is None and not self._fixed and not np.array_equal(self.now, _UPRIGHT):

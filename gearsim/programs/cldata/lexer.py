@@ -108,7 +108,8 @@ class _Lexer:
         word = " ".join(words) if words[0][:1].isalpha() else ""
         if within := MOVES_WITHIN.search(rest):
             raise self.fail(
-                line, f"{within[0].strip(' /').upper()} stands within {word}; a move needs a line of its own"
+                line,
+                f"{within[0].strip(' /').upper()} stands within {word or 'numbers'}; a move needs a line of its own",
             )
         self.out.append(Statement(line, word, rest if word else statement, slash=bool(slash)))
 

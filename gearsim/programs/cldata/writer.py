@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from gearsim.cutters.profile import Profile
-from gearsim.programs.cldata.cutter import sizes_of
+from gearsim.programs.cldata.cutter import apt_parameters, sizes_of
 from gearsim.programs.cldata.program import RAPID, CLPath, CLProgram
 
 
@@ -13,7 +13,7 @@ def format_cl(program: CLProgram, title: str, feed_mm_min: float, decimals: int)
     """CL data as text with ``decimals`` digits behind the point."""
     lines = [f"PARTNO {title}", "UNITS/MM", "MULTAX/ON"]
     if program.cutter is not None:
-        lines.append("CUTTER/" + ",".join(f"{v:.9g}" for v in program.cutter.sizes))
+        lines.append("CUTTER/" + ",".join(f"{v:.9g}" for v in apt_parameters(program.cutter)))
     for i, path in enumerate(program.paths):
         lines.append(f"$$ {len(path.tips) - 1} moves, {path.name}")
         rows = np.round(np.hstack([path.tips, path.axes]), decimals) + 0.0
