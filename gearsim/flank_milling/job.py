@@ -14,6 +14,7 @@ from gearsim.motion.segments import SegmentTable, compile_motion, join
 from gearsim.motion.sources import CLMotion, MotionSource
 from gearsim.programs.cldata import RAPID, CLPath, CLProgram, assemble, check_cutter, format_cl, parse_cl, read_cl_text
 from gearsim.scene import FlankMillingScene
+from gearsim.scene.program import ProgramTable
 from gearsim.surfaces.patch import SIDES, Side, Tooth
 from gearsim.toolpaths.tangent import FlankPass
 
@@ -93,6 +94,7 @@ def plan(scene: FlankMillingScene, folder: Path) -> Job:
         text = read_cl_text(folder / table.file)
         program = parse_cl(text, str(folder / table.file))
         notes = (*check_cutter(program.cutter, cutter, table.file), *program.notes, *_pass_notes(program))
+        notes += _posting_notes(program, scene.program)
     else:
         planners = scene.planners()
         text = _planned_program(planners, cutter, scene)
@@ -134,6 +136,22 @@ def _pass_notes(program: CLProgram) -> list[str]:
             f"no pass is named {side}: every cutting pass counts as its own" for side in SIDES if not program.path(side)
         ]
     return notes
+
+
+def _posting_notes(program: CLProgram, table: ProgramTable | None) -> tuple[str, ...]:
+    """Where the machine's program says other conditions than the CL file."""
+    if table is None:
+        return ()
+    notes = []
+    if program.feed is not None and program.fastest is not None and program.fastest > program.feed:
+        feeds = f"{program.feed:g} to {program.fastest:g} mm/min"
+        notes.append(f"the feeds of cutting moves are {feeds}; program.nc keeps the slowest throughout")
+    if program.spindle is not None and program.spindle != table.spindle_rpm:
+        notes.append(
+            f"SPINDL states {program.spindle:g}/min; program.nc runs at the scene's program.spindle_rpm, "
+            f"{table.spindle_rpm:g}"
+        )
+    return tuple(notes)
 
 
 def _nearest(name: str) -> str:

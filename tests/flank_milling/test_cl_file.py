@@ -56,5 +56,15 @@ def test_verify_takes_every_path_of_a_pass_that_rapids_divide(planned):
     assert len(divided) == len(whole) + len(second)
 
 
+def test_other_conditions_of_the_machines_program_are_told(planned):
+    job = planned(
+        OWN.replace("PPRINT PASS concave\nFEDRAT/600", "SPINDL/RPM,2245,CLW\nPPRINT PASS concave\nFEDRAT/0.1,MMPR")
+    )
+    assert job.notes == (
+        "the feeds of cutting moves are 224.5 to 600 mm/min; program.nc keeps the slowest throughout",
+        "SPINDL states 2245/min; program.nc runs at the scene's program.spindle_rpm, 4000",
+    )
+
+
 def test_strange_letters_in_comments_do_not_stop_it(planned):
     assert planned(OWN.replace("PARTNO sb65", "PARTNO Fräser ß $")).notes == ()

@@ -29,13 +29,16 @@ class CLPath:
 class CLProgram:
     """A CL program: its paths in order, the cutter it declares and its slowest feed in a cutting move [mm/min].
 
-    ``cutter`` and ``feed`` are None where the file states none. ``named``: the line of each pass name;
-    ``notes``: what a person must be told of the reading.
+    ``fastest`` [mm/min] is the largest such feed, ``spindle`` [1/min] the last speed. ``cutter``, feeds and speed are
+    None where the file states none. ``named``: the line of each pass name; ``notes``: what a person must be told of
+    the reading.
     """
 
     paths: tuple[CLPath, ...]
     cutter: CutterSizes | None = None
     feed: float | None = None
+    fastest: float | None = None
+    spindle: float | None = None
     named: tuple[tuple[str, int], ...] = ()
     notes: tuple[str, ...] = ()
 

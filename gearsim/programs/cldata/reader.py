@@ -65,7 +65,7 @@ class _Reader:
         self.named: dict[str, int] = {}
         self.stated: Feed | None = None
         self.spindle = Spindle()
-        self.feed: float | None = None
+        self.feeds: list[float] = []
         self.at: tuple[NDArray, NDArray] | None = None
         self.moves: list[tuple[str, list[NDArray], list[NDArray]]] = []
         self.ended: Statement | None = None
@@ -186,11 +186,14 @@ class _Reader:
             return
         feed = self.stated.mm_min(float(np.linalg.norm(way)), self.spindle)
         if feed > 0.0:
-            self.feed = min(feed, self.feed or feed)
+            self.feeds = [min(feed, *self.feeds), max(feed, *self.feeds)] if self.feeds else [feed, feed]
 
     def program(self) -> CLProgram:
         if not any(label != RAPID for label, _, _ in self.moves):
             raise InputError(f"{self.name}: no cutting moves; a path needs at least two GOTO points")
         paths = tuple(CLPath(label, np.array(tips), np.array(axes)) for label, tips, axes in self.moves)
         self.notes.units(self.units, paths, self.tool.cutter)
-        return CLProgram(paths, self.tool.cutter, self.feed, tuple(self.named.items()), self.notes.told(self.feed))
+        slowest, fastest = self.feeds or (None, None)
+        speed = None if self.spindle.last is None else float(self.spindle.last)
+        notes = self.notes.told(slowest)
+        return CLProgram(paths, self.tool.cutter, slowest, fastest, speed, tuple(self.named.items()), notes)
