@@ -24,11 +24,13 @@ _COARSEST, _FINEST = 2, 5  # decimals: fewer are digits left out, more are noise
 class CutterSizes:
     """What CUTTER states: d, or d and r, or all of d, r, e, f [mm], a, b [deg], h [mm] of the APT cutter.
 
-    ``unsure`` [mm, deg]: half a unit of the last printed decimal, from 5e-6 to 0.005 (in the file's unit).
+    ``unsure`` [mm, deg]: half a unit of the last printed decimal, from 5e-6 to 0.005 (in the file's unit); ``line`` of
+    the file (0: of none).
     """
 
     sizes: tuple[float, ...]
     unsure: float
+    line: int = 0
 
     def __str__(self) -> str:
         return "CUTTER/" + ", ".join(f"{v:.6g}" for v in self.sizes)
@@ -46,8 +48,8 @@ class CutterSizes:
         return self.sizes[6] if len(self.sizes) == len(LETTERS) else None
 
 
-def read_cutter(rest: str, unit: Decimal) -> CutterSizes:
-    """The sizes behind CUTTER, lengths times ``unit``. A comma may dangle behind them.
+def read_cutter(line: int, rest: str, unit: Decimal) -> CutterSizes:
+    """The sizes behind CUTTER of a line, lengths times ``unit``. A comma may dangle behind them.
 
     Raises InputError, to be told with its line, for other forms and impossible tools.
     """
@@ -59,7 +61,7 @@ def read_cutter(rest: str, unit: Decimal) -> CutterSizes:
     if len(sizes) == len(LETTERS):
         sizes[-1] = numbers(given[-1], (1,), _FORM, unit, 1)[0]
     printed = min(max(max(map(decimals, given)), _COARSEST), _FINEST)
-    stated = CutterSizes(tuple(sizes), 0.5 * 10.0**-printed * float(unit))
+    stated = CutterSizes(tuple(sizes), 0.5 * 10.0**-printed * float(unit), line)
     _require_possible(stated)
     return stated
 
@@ -110,7 +112,8 @@ def check_cutter(theirs: CutterSizes | None, cutter: Profile, file: str) -> tupl
     if theirs is None:
         return ()
     if letters := theirs.differs(ours):
-        raise InputError(f"{file} is for {theirs}; the scene's [cutter] is {ours}: {', '.join(letters)} differ")
+        where = f"{file} is for {theirs} (line {theirs.line})"
+        raise InputError(f"{where}; the scene's [cutter] is {ours}: {', '.join(letters)} differ")
     if theirs.height is None:
         return (f"{theirs} states no more of the tool; the scene's is {ours}",)
     if abs(theirs.height - cutter.height) > theirs.unsure:

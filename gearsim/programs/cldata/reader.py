@@ -130,7 +130,7 @@ class _Reader:
         self.units.state(s)
 
     def _cutter(self, s: Statement) -> None:
-        self.tool.takes_sizes(s, read_cutter(s.rest, self.units.take()))
+        self.tool.takes_sizes(s, read_cutter(s.line, s.rest, self.units.take()))
 
     def _fedrat(self, s: Statement) -> None:
         self.stated = read_feed(s.line, s.rest, self.units.unit, self.stated)

@@ -15,7 +15,6 @@ class OneTool:
 
     def __init__(self) -> None:
         self.cutter: CutterSizes | None = None
-        self._sized = 0
         self._number = ""
         self._loaded: Statement | None = None
         self._moved = 0
@@ -30,11 +29,11 @@ class OneTool:
             self._none_moved(statement)
         elif letters := stated.differs(self.cutter):
             raise InputError(
-                f"{stated} is another tool than that of line {self._sized}, {self.cutter} ({', '.join(letters)} "
+                f"{stated} is another tool than that of line {self.cutter.line}, {self.cutter} ({', '.join(letters)} "
                 f"differ); {_REMEDY}"
             )
         if self.cutter is None or len(stated.sizes) > len(self.cutter.sizes):
-            self.cutter, self._sized = stated, statement.line
+            self.cutter = stated
 
     def takes_number(self, statement: Statement) -> None:
         """LOADTL, TOOLNO, LOAD/TOOL, SELECT/TOOL. Raises InputError for a second number, or a first behind moves."""
