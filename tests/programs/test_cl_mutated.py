@@ -86,7 +86,7 @@ def points(program):
     return {tuple(tip) for path in program.paths for tip in np.round(path.tips, 9).tolist()}
 
 
-@settings(max_examples=1500, deadline=None)
+@settings(max_examples=800, deadline=None)
 @given(changes)
 def test_no_traceback_and_no_move_dropped(how):
     text = SOURCE
