@@ -47,7 +47,7 @@ BROKEN = [
     ("M8 M3 M10 M11 S100", 1, 11, "M11", "up to 3 M words"),
     ("N1.5 G0", 1, 1, "N1.5", "a whole number"),
     ("N-1 G0", 1, 1, "N-1", "a whole number"),
-    ("G0 X1 L2", 1, 7, "L2", "no words with the letter L"),
+    ("G0 X1 L2", 1, 7, "L2", "has a use for the letter L"),
     ("G0 X1 P2", 1, 7, "P2", "has a use for the letter P"),
     ("G0 X1 I2", 1, 7, "I2", "has a use for the letter I"),
     ("G0 X1 H2", 1, 7, "H2", "has a use for the letter H"),

@@ -34,6 +34,18 @@ class Block:
         for letter, word in self.letters.items():
             if letter in _AXES and letter not in axes:
                 raise self.error(word, f"the machine has no axis {letter}; it has {', '.join(axes)}")
+
+    @property
+    def open_axes(self) -> dict[str, Word]:
+        """The axis words that nothing has taken yet."""
+        return {letter: word for letter, word in self.axes.items() if letter not in self._taken}
+
+    def is_open(self, letter: str) -> bool:
+        """Whether there is a word with that letter that nothing has taken yet."""
+        return letter in self.letters and letter not in self._taken
+
+    def take_axes(self) -> None:
+        """All axis words have found their use."""
         self._taken.update(self.axes)
 
     def error(self, word: Word, reason: str) -> ProgramError:

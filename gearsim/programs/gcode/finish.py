@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from gearsim.errors import InputError
 from gearsim.machines.chain import Machine
 from gearsim.machines.inverse import FLAT, reach_tip
+from gearsim.programs.gcode.arc_rules import ArcRules
 from gearsim.programs.gcode.arcs import PLANES, Arcs, arcs
 from gearsim.programs.gcode.moves import CLOCKWISE, COUNTER_CLOCKWISE, DWELL, FEED, RAPID, Moves
 
@@ -35,14 +36,14 @@ class MoveError(Exception):
         self.index, self.letters, self.reason = index, letters, reason
 
 
-def finish(moves: Moves, machine: Machine, tolerance: float, all_axes: bool) -> Batch:
+def finish(moves: Moves, machine: Machine, rules: ArcRules, all_axes: bool) -> Batch:
     """The blocks of a batch of moves; ``all_axes`` is ``Dialect.feed_of_all_axes``.
 
     Raises MoveError for the first move that cannot be run.
     """
     mode, n = moves.mode, len(moves.line)
     turning = np.flatnonzero((moves.motion == CLOCKWISE) | (moves.motion == COUNTER_CLOCKWISE))
-    circles = _circles(moves, turning, tolerance) if len(turning) else None
+    circles = _circles(moves, turning, rules) if len(turning) else None
     values = to_slides(machine, moves.ends, mode.excess) if mode.tip else moves.ends
     return Batch(
         values,
@@ -75,34 +76,35 @@ def to_tips(machine: Machine, values: NDArray, excess: float) -> NDArray:
     return np.concatenate([tip - excess * axis, values[:, 3:]], axis=1)
 
 
-def _circles(moves: Moves, turning: NDArray, tolerance: float) -> Arcs:
+def _circles(moves: Moves, turning: NDArray, rules: ArcRules) -> Arcs:
     mode = moves.mode
     assert moves.arcs is not None
-    words = moves.arcs[turning]
     found = arcs(
-        moves.before[turning, :3], moves.ends[turning, :3], words, moves.motion[turning] == CLOCKWISE, mode.plane,
-        tolerance, mode.arc_absolute,
+        moves.before[turning, :3], moves.ends[turning, :3], moves.arcs[turning], moves.motion[turning] == CLOCKWISE,
+        mode.plane, mode.scale, mode.arc_absolute, rules,
     )  # fmt: skip
-    wrong = np.flatnonzero(~(found.miss <= tolerance))
+    wrong = np.flatnonzero(~found.runs)
     if len(wrong):
-        i = wrong[0]
-        radius, miss = words[i, 3], found.miss[i]
-        if not np.isnan(radius):
-            a, b, _ = PLANES[mode.plane]
-            chord = (moves.ends - moves.before)[turning[i]][[a, b]]
-            reason = (
-                f"the radius {radius:g} mm does not reach the end, which is {np.hypot(*chord):g} mm away"
-                if chord.any()
-                else "a full circle needs its centre (I, J, K); R does not settle it"
-            )
-            raise MoveError(int(turning[i]), "R", reason)
-        reason = (
-            "the arc's centre is its start"
-            if np.isnan(miss)
-            else f"the arc's end lies {miss:.6g} mm off its circle; up to {tolerance:g} mm are allowed"
-        )
-        raise MoveError(int(turning[i]), "IJK", reason)
+        raise _no_arc(moves, int(turning[wrong[0]]), float(found.miss[wrong[0]]), rules)
     return found
+
+
+def _no_arc(moves: Moves, i: int, miss: float, rules: ArcRules) -> MoveError:
+    """Why a control does not run an arc."""
+    assert moves.arcs is not None
+    mode, radius = moves.mode, moves.arcs[i, 3]
+    a, b, _ = PLANES[mode.plane]
+    chord = float(np.hypot(*(moves.ends[i] - moves.before[i])[[a, b]]))
+    if not np.isnan(radius):
+        if np.isnan(miss):
+            return MoveError(i, "R", "a full circle needs its centre (I, J, K); R does not settle it")
+        return MoveError(i, "R", f"the radius {radius:g} mm does not reach the end, which is {chord:g} mm away")
+    if np.isnan(miss):
+        return MoveError(i, "IJK", "the arc's centre is its start or its end")
+    allowed, share = rules.centre(mode.scale) * mode.scale, rules.share
+    more = f", or {100 * share:g} % of its radius up to {rules.largest * allowed:.4g} mm," if share else ""
+    reason = f"the arc's end lies {miss:.6g} mm off its circle; up to {allowed:.4g} mm{more} are allowed"
+    return MoveError(i, "IJK", reason)
 
 
 def _seconds(moves: Moves, machine: Machine, turning: NDArray, circles: Arcs | None, all_axes: bool) -> NDArray:
@@ -122,7 +124,7 @@ def _length(moves: Moves, machine: Machine, turning: NDArray, circles: Arcs | No
     """What F counts, in units of the program: see ``Dialect.feed_of_all_axes``."""
     slides = sum(not joint.is_rotary for joint in machine.joints)
     change = moves.ends - moves.before
-    way = np.sqrt((change[:, :slides] ** 2).sum(axis=1)) / moves.mode.scale
+    way = np.sqrt((change[:, :slides] ** 2).sum(axis=1)) / moves.mode.feed_scale
     turn = np.degrees(np.sqrt((change[:, slides:] ** 2).sum(axis=1)))
     together = all_axes and not moves.mode.tip
     way = np.hypot(way, turn) if together else np.where(way > 0.0, way, turn)
@@ -130,7 +132,7 @@ def _length(moves: Moves, machine: Machine, turning: NDArray, circles: Arcs | No
         a, b, c = PLANES[moves.mode.plane]
         radius = np.hypot(*(moves.before[turning, :3] - circles.centre)[:, [a, b]].T)
         along = 0.0 if all_axes else change[turning, c]
-        way[turning] = np.hypot(radius * circles.sweep, along) / moves.mode.scale
+        way[turning] = np.hypot(radius * circles.sweep, along) / moves.mode.feed_scale
     return way
 
 

@@ -20,6 +20,7 @@ class Journal:
         self.tools: list[int] = []
         self.operations: list[str] = []
         self.ignored: dict[str, int] = {}
+        self.assumed: dict[str, int] = {}
         self._comment = ""
         self._has_cut = False
 
@@ -56,10 +57,15 @@ class Journal:
 
     def notes(self) -> tuple[str, ...]:
         """What a person should know about the reading."""
-        return tuple(
+        smoothed = (
             f"{code} (line {line} first): the control's smoothing of corners is not simulated"
             for code, line in self.ignored.items()
         )
+        return (*smoothed, *(f"{what} is assumed (line {line} first)" for what, line in self.assumed.items()))
+
+    def assume(self, what: str, block: Block) -> None:
+        """The reading takes something for granted that nobody has stated."""
+        self.assumed.setdefault(what, block.line.number)
 
     def _begin(self, name: str, state: State) -> None:
         if self.operations and not self._has_cut:

@@ -19,7 +19,8 @@ class Offsets:
 
     Axis value = programmed value + ``shift``: it counts from the workpiece's origin and is the tip's place.
     ``compensated`` is the length that G43 works with, ``length`` the one the tool has: without compensation the
-    spindle nose is programmed, and the tip is lower by the tool's length.
+    spindle nose is programmed, and the tip is lower by the tool's length. ``local`` is G52's zero, ``shifted``
+    G92's; a control with one register for both uses ``shifted``, and ``saved`` is what G92.3 brings back.
     """
 
     machine: Machine
@@ -29,19 +30,32 @@ class Offsets:
     length: float = 0.0
     local: Numbers = field(default_factory=list)
     shifted: Numbers = field(default_factory=list)
+    saved: Numbers = field(default_factory=list)
 
     def __post_init__(self) -> None:
         settings, machine = self.settings, self.machine
         self._none = [0.0] * len(machine.axes)
-        self.local, self.shifted = self._none[:], self._none[:]
+        self.local, self.shifted, self.saved = self._none[:], self._none[:], self._none[:]
         self._known = {name: settings.place(place, machine, name) for name, place in settings.offsets.items()}
-        self._workpiece = self._known.get(settings.workpiece, self._none)
+        self._workpiece = self._known.get(settings.workpiece, self._none)[:]
         self._z = machine.axes.index("Z") if "Z" in machine.axes else None
 
     @property
     def excess(self) -> float:
         """How far along its axis the tip stands above the place the control believes in [mm]."""
         return self.compensated - self.length
+
+    def is_known(self) -> bool:
+        """Whether the offset in force has a place: the settings or the program state it, or it is the workpiece's."""
+        return self.active in self._known or self.active == self.settings.workpiece
+
+    def of(self, name: str) -> Numbers:
+        """A work offset by its name, machine coordinates; zeros where nobody has stated it."""
+        return self._known.get(name, self._none)[:]
+
+    def put(self, name: str, place: Numbers) -> None:
+        """Give a work offset its place."""
+        self._known[name] = place
 
     def shift(self) -> Numbers:
         """What is added to programmed axis values."""
@@ -63,8 +77,7 @@ class Offsets:
         return self._along_z([p - w for p, w in zip(position, self._workpiece, strict=True)], -self.length)
 
     def _origin(self) -> Numbers:
-        active = self._known.get(self.active, self._none)
-        parts = zip(active, self._workpiece, self.local, self.shifted, strict=True)
+        parts = zip(self.of(self.active), self._workpiece, self.local, self.shifted, strict=True)
         return [a - w + local + shifted for a, w, local, shifted in parts]
 
     def _along_z(self, values: Numbers, amount: float) -> Numbers:

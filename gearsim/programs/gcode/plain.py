@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gearsim.programs.gcode.arcs import OFFSET_LETTERS
-from gearsim.programs.gcode.interpreter import DEGREE, LEAST_FEED
+from gearsim.programs.gcode.motion_words import LEAST_FEED
 from gearsim.programs.gcode.moves import CLOCKWISE, FEED, Moves
 from gearsim.programs.gcode.scan import Scan
 from gearsim.programs.gcode.state import State
@@ -34,11 +34,15 @@ class PlainRun:
         """Lines that change the mode all lines of a run share, or that only the interpreter may judge."""
         state = self.state
         feed, has_feed = self._word("F")
-        wrong = has_feed & (feed < LEAST_FEED)
+        wrong = has_feed & ((feed < LEAST_FEED) | (state.feed_scale != state.scale))
         for name, code in (("distance", 90 if state.absolute else 91), ("feed mode", state.feed_mode)):
             given, stated = self._word(name)
             wrong |= stated & (given != code)
-        wrong |= self.moving & (self.motion < 0.0)
+        if state.dialect.feed_mode_clears_feed and state.feed_mode != 93:
+            wrong |= self._word("feed mode")[1]
+        wrong |= self._bare_motion() | (
+            self.moving & ((self.motion < 0.0) | (not state.placing.is_ready(state.offsets)))
+        )
         cutting = self.moving & (self.motion >= FEED)
         self._arcs = self._find_arcs()
         if self._arcs is not None:
@@ -55,6 +59,11 @@ class PlainRun:
         """Lines that have a word with one of the letters."""
         return np.asarray(self.present[[self.column[letter] for letter in letters]].any(axis=0))
 
+    def _bare_motion(self) -> NDArray[np.bool_]:
+        """Lines with a code of motion alone, where the dialect judges it."""
+        judges = self.state.dialect.moves_at_code
+        return self._word("motion")[1] & ~self.moving & (self.motion != 0.0) & judges
+
     def _find_arcs(self) -> tuple[NDArray, NDArray] | None:
         """Lines with words of an arc, and those that are wrong as arcs; None where there are no arcs."""
         state = self.state
@@ -66,6 +75,10 @@ class PlainRun:
         other = self._any(letter for letter in "IJK" if letter not in allowed)
         judged = (some & ~turning) | (turning & (other | (self._any(allowed) & self._any("R"))))
         judged |= turning & self.moving & ~some
+        if state.arc_absolute:
+            judged |= (
+                turning & ~self.present[[self.column[letter] for letter in allowed]].all(axis=0) & ~self._word("R")[1]
+            )
         if state.tip or state.machine.axes[:3] != ("X", "Y", "Z"):
             judged |= turning & (self.moving | some)
         return some, judged
@@ -88,18 +101,19 @@ class PlainRun:
     def _axis(self, i: int) -> NDArray[np.floating]:
         """One axis after each line: the same sums and products as the interpreter's."""
         state, stated = self.state, self.present[i, : self.count]
-        factor = DEGREE if state.machine.joints[i].is_rotary else state.scale
-        words = self.values[i, : self.count] * factor
+        words = self.values[i, : self.count] * state.factor(i)
         if state.absolute:
             return _filled(words + state.shift[i], stated, state.position[i])
         return np.cumsum(np.concatenate([[state.position[i]], np.where(stated, words, 0.0)]))[1:]
 
     def _arc_words(self, rows: NDArray, motion: NDArray) -> NDArray[np.floating]:
-        """I, J, K, R [mm] of the moves, nan where absent."""
-        columns = [self.column[letter] for letter in "IJKR"]
-        words = np.where(self.present[columns], self.values[columns] * self.state.scale, np.nan)[:, rows].T
+        """I, J, K, R [mm] of the moves, nan where absent, and one turn."""
+        state, columns = self.state, [self.column[letter] for letter in "IJKR"]
+        words = np.where(self.present[columns], self.values[columns] * state.scale, np.nan)[:, rows].T
+        if state.arc_absolute:
+            words[:, :3] += state.shift[:3]
         words[motion < CLOCKWISE] = np.nan
-        return words
+        return np.column_stack([words, np.ones(len(rows))])
 
 
 def _filled(values: NDArray, present: NDArray, before: float) -> NDArray[np.floating]:

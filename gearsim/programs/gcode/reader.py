@@ -13,8 +13,7 @@ from gearsim.programs.gcode.errors import ProgramError
 from gearsim.programs.gcode.flow import Flow, has_flow
 from gearsim.programs.gcode.interpreter import Interpreter
 from gearsim.programs.gcode.journal import Journal
-from gearsim.programs.gcode.motion_words import Arc
-from gearsim.programs.gcode.moves import RAPID
+from gearsim.programs.gcode.moves import RAPID, Arc
 from gearsim.programs.gcode.plain import PlainRun
 from gearsim.programs.gcode.recorder import Recorder
 from gearsim.programs.gcode.scan import Scan, Scanner
@@ -35,7 +34,8 @@ class Reader:
         self.text, self.progress = text, progress
         self.journal = Journal()
         self.scanner = Scanner(machine.axes)
-        self.recorder = Recorder(machine, settings.arc_tolerance, dialect.feed_of_all_axes, text.line)
+        rules = dialect.arcs.with_centre(settings.arc_tolerance)
+        self.recorder = Recorder(machine, rules, dialect.feed_of_all_axes, text.line)
         self.interpreter = Interpreter(machine, dialect, settings, self.journal, self._emit)
 
     def read(self) -> tuple[Blocks, Journal]:

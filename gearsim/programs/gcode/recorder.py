@@ -10,10 +10,11 @@ from numpy.typing import NDArray
 
 from gearsim.machines.chain import Machine
 from gearsim.programs.blocks import Blocks
+from gearsim.programs.gcode.arc_rules import ArcRules
 from gearsim.programs.gcode.errors import Line
 from gearsim.programs.gcode.finish import Batch, MoveError, finish
 from gearsim.programs.gcode.lexer import find_word
-from gearsim.programs.gcode.moves import NO_ARC, Mode, Moves
+from gearsim.programs.gcode.moves import NO_ARC, Arc, Mode, Moves
 
 _AT_ONCE = 4096
 
@@ -21,17 +22,17 @@ _AT_ONCE = 4096
 class Recorder:
     """Takes moves one by one or in batches; ``line_of`` gives a line's text for messages."""
 
-    def __init__(self, machine: Machine, tolerance: float, all_axes: bool, line_of: Callable[[int], Line]):
-        self.machine, self.tolerance, self.all_axes, self.line_of = machine, tolerance, all_axes, line_of
+    def __init__(self, machine: Machine, rules: ArcRules, all_axes: bool, line_of: Callable[[int], Line]):
+        self.machine, self.rules, self.all_axes, self.line_of = machine, rules, all_axes, line_of
         self._mode: Mode | None = None
         self._start: list[float] = []
         self._ends: list[list[float]] = []
-        self._rest: list[tuple[int, float, tuple[float, float, float, float], int]] = []
+        self._rest: list[tuple[int, float, Arc, int]] = []
         self._batches: list[Batch] = []
 
     def add(
         self, mode: Mode, before: list[float], end: list[float], motion: int, feed: float,
-        arc: tuple[float, float, float, float], line: int,
+        arc: Arc, line: int,
     ) -> None:  # fmt: skip
         """Take one move."""
         if mode != self._mode or len(self._ends) >= _AT_ONCE:
@@ -61,7 +62,7 @@ class Recorder:
 
     def _finish(self, moves: Moves) -> None:
         try:
-            self._batches.append(finish(moves, self.machine, self.tolerance, self.all_axes))
+            self._batches.append(finish(moves, self.machine, self.rules, self.all_axes))
         except MoveError as error:
             self._fail(error, int(moves.line[error.index]))
 

@@ -30,7 +30,8 @@ class ReadSettings:
     | ``start`` | where the spindle nose is before the first block, machine coordinates (default: at home) |
     | ``block_delete`` | whether lines that start with ``/`` are skipped |
     | ``units`` | what holds before G20 or G21 |
-    | ``arc_tolerance`` | how far an arc's end may lie off its circle [mm] |
+    | ``arc_tolerance`` | how far an arc's end may lie off its circle [mm] (None: the control's own limit) |
+    | ``tools`` | the tools there are (None: any). With them given the program is meant to be cut: see ``Placing`` |
     | ``block_limit`` | how many lines may be executed before a loop counts as endless |
 
     Numbers are read as a pocket calculator does: X10 is X10. (not 10 micrometres).
@@ -44,14 +45,15 @@ class ReadSettings:
     start: Mapping[str, float] | None = None
     block_delete: bool = False
     units: Literal["mm", "inch"] = "mm"
-    arc_tolerance: float = 0.01
+    arc_tolerance: float | None = None
+    tools: tuple[int, ...] | None = None
     block_limit: int = 1_000_000
 
     def __post_init__(self) -> None:
         places = [*self.offsets.items(), ("home", self.home), ("start", self.start or {})]
         numbers = [(f"{name}, axis {axis}", value) for name, place in places for axis, value in place.items()]
         numbers += [(f"tool_lengths, H{number}", value) for number, value in self.tool_lengths.items()]
-        for name, value in [*numbers, ("arc_tolerance", self.arc_tolerance)]:
+        for name, value in [*numbers, ("arc_tolerance", self.arc_tolerance or 0.0)]:
             if not isfinite(value):
                 raise InputError(f"settings of the program reader, {name}: expected a finite number, got {value}")
 
