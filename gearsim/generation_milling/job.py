@@ -14,7 +14,7 @@ from gearsim.generation_milling.disturbance import Disturbance
 from gearsim.generation_milling.probing import Probing, probing
 from gearsim.machines.chain import Machine
 from gearsim.metrology.gear_inspection import gear_size
-from gearsim.programs.gcode import Program, read_program
+from gearsim.programs.gcode import Program, ReadSettings, read_program
 from gearsim.programs.operation import Operation, Tool
 from gearsim.programs.post import write_program
 from gearsim.programs.post_options import Header, PostOptions
@@ -88,26 +88,25 @@ class GearJob:
 def plan(scene: GenerationMillingScene, folder: Path) -> GearJob:
     """Plan and post a scene's gear and read the program back; or read the user's own, relative to ``folder``.
 
-    Raises InputError where the gear cannot be cut this way or has no tolerances, or for a program that cannot be read.
+    Raises InputError where the gear cannot be cut this way or has no tolerances, or for a program that cannot be read
+    or moves without a tool of the scene, a length or an offset that is known (``ReadSettings.tools``).
     """
     gear, machine, steps = scene.gear(), scene.controller(), scene.paths()
     gear_size(gear)
     operations: tuple[Operation, ...] = ()
+    settings = ReadSettings(workpiece=scene.program.work_offset, tools=tuple(t.number for t in scene.tools))
     if scene.program.file:
         file = folder / scene.program.file
         text = read_input(file, "program")
-        program = read_program(file, machine, dialect=scene.program.dialect)
+        program = read_program(file, machine, dialect=scene.program.dialect, settings=settings)
     else:
         exact = planned(gear, machine, steps, scene.program.tip_control)
         options = scene.program.options()
         operations = tuple(as_printed(op, options, step.cutting.feed) for op, step in zip(exact, steps, strict=True))
         text = write_program(operations, _header(scene, gear), options)
-        program = read_program(text, machine)
+        program = read_program(text, machine, settings=settings)
     job = GearJob(scene, gear, machine, steps, operations, text, program, {})
-    moved = set(np.unique(program.blocks.tool).tolist())
-    if unknown := sorted(moved - set(job.tools) - {0}):
-        raise InputError(f"program: tool T{unknown[0]} is not among the scene's tools")
-    if not moved & set(job.tools):
+    if not set(np.unique(program.blocks.tool).tolist()) & set(job.tools):
         tools = ", ".join(f"T{number} M06" for number in sorted(job.tools))
         raise InputError(f"program: it moves none of the scene's tools; expected {tools} and moves behind it")
     finishing = job.finishing
@@ -150,7 +149,8 @@ def as_printed(operation: Operation, options: PostOptions, feed: float) -> Opera
 def posted(operations: tuple[Operation, ...], machine: Machine, decimals: int) -> Program:
     """Operations written with so many decimals and read back."""
     options = PostOptions(linear_decimals=decimals, rotary_decimals=decimals)
-    return read_program(write_program(operations, Header(), options), machine)
+    tools = tuple({operation.tool.number for operation in operations})
+    return read_program(write_program(operations, Header(), options), machine, settings=ReadSettings(tools=tools))
 
 
 def disturbance(errors: ErrorsTable) -> Disturbance:

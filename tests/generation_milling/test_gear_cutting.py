@@ -158,7 +158,9 @@ def test_a_program_of_the_users_own_is_cut_instead(tmp_path):
     assert own.operations == ()
     assert np.array_equal(own.program.blocks.values, job.program.blocks.values)
     (tmp_path / "own.nc").write_text(job.text.replace("T1 M06", "T7 M06").replace("G43 H1", "G43 H7"), encoding="ascii")
-    with pytest.raises(InputError, match="T7 is not among the scene's tools"):
+    with pytest.raises(
+        InputError, match=r"own\.nc, line 14, column 1, T7: tool T7 is not among the tools there are: T1"
+    ):
         plan(scene, tmp_path)
     (tmp_path / "own.nc").write_text(job.text.replace("M08", "M08 G41"), encoding="ascii")
     with pytest.raises(InputError, match=r"own\.nc, line 17, column 5, G41"):

@@ -7,7 +7,7 @@ import pytest
 from numpy.testing import assert_allclose
 
 from gearsim.machines.catalogue import table_table_bc
-from gearsim.programs.gcode import ProgramError, ReadSettings, read_program
+from gearsim.programs.gcode import ReadSettings, read_program
 
 FOLDER = Path(__file__).parents[1] / "data" / "gcode"
 MACHINE = table_table_bc()
