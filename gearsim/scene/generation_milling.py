@@ -105,7 +105,10 @@ class CylindricalGearTable(Table):
 
 
 class GearProgramTable(PostTable):
-    """Table [program]: how the G-code is written, or a ``file`` of the user's own in a ``dialect``, cut instead."""
+    """Table [program]: how the G-code is written, or a ``file`` of the user's own in a ``dialect``, cut instead.
+
+    ``work_offset`` stands on the gear's origin: a file that moves in another one is refused, as its place is unknown.
+    """
 
     tip_control: bool = False
     file: str = ""
