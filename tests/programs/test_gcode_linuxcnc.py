@@ -69,9 +69,11 @@ def test_subroutines_have_parameters_of_their_own():
     o100 call
     G0 X#1
     X#<kept>
+    X[10+#<_value>]
+    o<step> call [3]
     X#<_value>
     M2"""
-    assert x(program) == [13, 100, 1, 2]
+    assert x(program) == [13, 100, 1, 10, 5, 6]
 
 
 def test_loops_and_branches():
@@ -86,7 +88,7 @@ def test_loops_and_branches():
         G0 X#1
       o2 endif
     o1 endwhile
-    o3 repeat [2]
+    o3 do
       o4 repeat [3]
         #1=[#1+10]
         o5 if [#1 GT 30]
@@ -94,7 +96,7 @@ def test_loops_and_branches():
         o5 endif
         G0 X#1
       o4 endrepeat
-    o3 endrepeat
+    o3 while [1]
     o6 do
       #1=[#1-20]
       G0 X#1
@@ -115,7 +117,7 @@ def test_errors_name_line_column_and_word():
     refused("G0 X#<none>", r"line 1, column 5, #<none>: the parameter has no value yet")
     refused("G0 X#5420", r"#5420: parameters of the program are #1 to #5000")
     refused("G0 X#<a", r"column 5, #<a: the parameter's <name> is not finished")
-    refused("#1 5", r"line 1, column 1, #1: a parameter that stands alone is set; = is missing")
+    refused("#1 5", r"line 1, column 1, #1 5: a parameter that stands alone is set; = is missing")
     refused("G0 X" + "[" * 60 + "1" + "]" * 60, "nested more than 30 deep")
     refused("G0 X[10**300*10**300]", "this has no value")
     refused("G0 X[10**200]", "the number is too large")
@@ -133,9 +135,9 @@ def test_errors_name_line_column_and_word():
     refused("o1 if [1] G0\no1 endif", r"line 1, column 11, G0: only values")
     refused("o1 jump", r"column 1, o1 jump: the O word has no keyword")
     refused("o sub", r"an O word has a number")
-    refused("o1 sub\no1 call\no1 endsub\no1 call", r"line 2.*more than 20 deep")
+    refused("o1 sub\no1 call\no1 endsub\no1 call", r"line 2.*more than 9 deep")
     refused("o1 while [1]\no1 endwhile", r"after 100 lines run", block_limit=100)
-    refused("o1 while [1]\n o1 do\n o1 while [1]\no1 endwhile", r"after 100 lines run", block_limit=100)
+    refused("o1 while [1]\n o2 do\n o2 while [1]\no1 endwhile", r"after 100 lines run", block_limit=100)
 
 
 def test_what_differs_from_fanuc():

@@ -41,6 +41,7 @@ class Dialect:
     | ``incremental_tables`` | G10 under G91 adds to what the table holds |
     | ``turns`` | P of G2 and G3 counts turns |
     | ``arcs`` | what passes as an arc |
+    | ``line_limit`` | how many characters a line may have |
 
     ``feed_of_all_axes``: what F of G94 and G95 counts. False: the linear axes' way, or, where they stand, the
     rotary axes' turn in degrees. True: the root of the squares of all, a degree as a unit of length; in arcs the
@@ -74,6 +75,7 @@ class Dialect:
     turns: bool
     arcs: ArcRules
     feed_of_all_axes: bool
+    line_limit: int
 
 
 _GROUPS = {
@@ -159,6 +161,7 @@ FANUC = Dialect(
     turns=False,
     arcs=FANUC_ARCS,
     feed_of_all_axes=True,
+    line_limit=256,
 )
 
 LINUXCNC = Dialect(
@@ -214,6 +217,7 @@ LINUXCNC = Dialect(
     turns=True,
     arcs=LINUXCNC_ARCS,
     feed_of_all_axes=False,
+    line_limit=252,
 )
 # fmt: on
 

@@ -41,15 +41,15 @@ class Interpreter:
         self.values = Expressions(Parameters()) if dialect.parameters else None
         self.ended = False
         self.has_words = False
-        self._has_begun = False
+        self._has_begun = self._has_lines = False
         self.axes = machine.axes
 
     def line(self, line: Line) -> None:
         """Run a line. Raises ProgramError for what it cannot use."""
         if line.text.strip() == "%":
-            self.ended = self.has_words or self._has_begun
-            self._has_begun = True
+            self._percent(line)
             return
+        self._has_lines = self._has_lines or bool(line.text.strip())
         for part in _blocks(line) if self.dialect.semicolon_ends_block else (line,):
             if not self.ended:
                 self._block(part)
@@ -61,10 +61,18 @@ class Interpreter:
         if self.values is not None:
             self.values.commit()
         self.has_words = self.has_words or bool(statement.words)
-        block = Block(line, statement.words, self.dialect, self.axes)
+        block = Block(statement.line, statement.words, self.dialect, self.axes)
         self.journal.note(block, statement.comments, self.state)
         if statement.words:
             self._run(block)
+
+    def _percent(self, line: Line) -> None:
+        """The sign % begins and ends a program; LinuxCNC's second one ends only what the first one began."""
+        before = self.has_words or (self._has_lines and self.dialect.parameters)
+        if before and not self._has_begun and self.dialect.parameters:
+            raise line.error(0, len(line.text), "the sign % ends a program that begins with it; this one does not")
+        self.ended = before or self._has_begun
+        self._has_begun = True
 
     def _run(self, block: Block) -> None:
         for letter in self.dialect.idle_letters:

@@ -33,7 +33,7 @@ class Reader:
     ):  # fmt: skip
         self.text, self.progress = text, progress
         self.journal = Journal()
-        self.scanner = Scanner(machine.axes)
+        self.scanner = Scanner(machine.axes, dialect)
         rules = dialect.arcs.with_centre(settings.arc_tolerance)
         self.recorder = Recorder(machine, rules, dialect.feed_of_all_axes, text.line)
         self.interpreter = Interpreter(machine, dialect, settings, self.journal, self._emit)

@@ -12,7 +12,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from gearsim.programs.gcode.lexer import LINE_LIMIT, VALUE_LIMIT
+from gearsim.programs.gcode.dialect import FANUC, Dialect
+from gearsim.programs.gcode.lexer import VALUE_LIMIT
 
 _OTHER, _LETTER, _DIGIT, _POINT, _SIGN, _BLANK, _FEED, _SEMICOLON, _RETURN = range(9)
 _ENDS = (_BLANK, _FEED, _SEMICOLON, _RETURN)
@@ -50,9 +51,10 @@ class Scan(NamedTuple):
 
 
 class Scanner:
-    """Scans text of a machine with the given axis letters."""
+    """Scans text of a dialect for a machine with the given axis letters."""
 
-    def __init__(self, axes: tuple[str, ...]):
+    def __init__(self, axes: tuple[str, ...], dialect: Dialect = FANUC):
+        self.dialect = dialect
         names = [*axes, *"FIJKRN", "motion", "distance", "feed mode", "other G"]
         self.column = {name: i for i, name in enumerate(names)}
         letters = {**self.column, "G": self.column["other G"]}
@@ -67,7 +69,7 @@ class Scanner:
         text = b"\n" + piece
         classes = np.frombuffer(text.translate(self._classes), np.uint8)
         ends = np.flatnonzero(classes == _FEED)
-        special = np.diff(ends) > LINE_LIMIT + 1
+        special = np.diff(ends) > self.dialect.line_limit + 1
         special[np.searchsorted(ends, _wrong(classes)) - 1] = True
         cleaned = _blanked(text, ends, special)
         marks = np.frombuffer(cleaned.translate(self._columns), np.uint8)
@@ -85,6 +87,8 @@ class Scanner:
         values.reshape(-1)[cells] = numbers
         present.reshape(-1)[cells] = True
         special[lines[np.abs(numbers) > VALUE_LIMIT]] = True
+        if self.dialect.parameters:  # the line number stands first
+            special[lines[1:][(columns[1:] == self.column["N"]) & (lines[1:] == lines[:-1])]] = True
         number = values[self.column["N"]]
         special |= (present.sum(axis=0) != words) | present[self.column["other G"]]
         special |= (number < 0.0) | (number != np.floor(number)) | (number > 99_999_999)

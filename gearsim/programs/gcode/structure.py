@@ -6,19 +6,22 @@ import re
 from typing import NamedTuple
 
 from gearsim.programs.gcode.errors import Line
+from gearsim.programs.gcode.squeeze import Squeezed, squeezed
 
-KEYWORDS = ("SUB", "ENDSUB", "RETURN", "CALL", "IF", "ELSEIF", "ELSE", "ENDIF", "WHILE", "ENDWHILE", "DO", "REPEAT",
-            "ENDREPEAT", "BREAK", "CONTINUE")  # fmt: skip
-LOOPS = ("WHILE", "DO", "REPEAT")
-_O_WORD = re.compile(r"[ \t/]*(?:N[ \t]*[0-9]+[ \t]*)?O[ \t]*", re.IGNORECASE)
-_LABEL = re.compile(r"<([^<>]*)>|[0-9]+")
-_KEYWORD = re.compile(r"[A-Z]*", re.IGNORECASE)
+# As the control looks for them, the first that fits.
+KEYWORDS = ("SUB", "ENDSUB", "CALL", "DO", "WHILE", "REPEAT", "IF", "ELSEIF", "ELSE", "ENDIF", "BREAK", "CONTINUE",
+            "ENDWHILE", "ENDREPEAT", "RETURN")  # fmt: skip
+_LOOPS = ("WHILE", "DO")
+_BEGIN = re.compile(r"[ \t]*/?[ \t]*(?:N[ \t0-9.]*)?O", re.IGNORECASE)
+_O_WORD = re.compile(r"/?(?:N[0-9]+(?:\.[0-9]+)?)?(O)", re.IGNORECASE)
+_LABEL = re.compile(r"<([^<>]+)>|[0-9]+")
+_KEYWORD = re.compile("|".join(KEYWORDS), re.IGNORECASE)
 _CLOSED_BY = {"SUB": "ENDSUB", "IF": "ENDIF", "WHILE": "ENDWHILE", "DO": "WHILE", "REPEAT": "ENDREPEAT"}
 _OPENER = {end: begin for begin, end in _CLOSED_BY.items() if end != "WHILE"}
 
 
 class OWord(NamedTuple):
-    """An O word: its label, its keyword, and where in the line they begin and end."""
+    """An O word: its label, its keyword (none: a label alone), and where in the squeezed line they begin and end."""
 
     label: str
     keyword: str
@@ -35,24 +38,33 @@ class Group:
 
 
 class Structure:
-    """The O words of a program by line, and for each the group it belongs to."""
+    """The O words of a program by line, and for each the group it belongs to.
 
-    def __init__(self, lines: list[Line]):
-        self.words = {i: word for i, line in enumerate(lines) if (word := o_word(line)) is not None}
+    ``leaves``: the lines in which a subroutine ends or returns, by its label.
+    """
+
+    def __init__(self, lines: list[Line], limit: int):
+        self.lines = {i: squeezed(line, limit) for i, line in enumerate(lines) if _BEGIN.match(line.text)}
+        found = {i: o_word(line) for i, line in self.lines.items()}
+        self.words = {i: word for i, word in found.items() if word is not None}
         self.groups: dict[int, Group] = {}
         self.subs: dict[str, Group] = {}
+        self.leaves: dict[str, list[int]] = {}
         self._open: list[Group] = []
+        self._labels: dict[tuple[str, str], int] = {}
         for i, word in self.words.items():
-            self._place(lines[i], i, word)
+            self._place(self.lines[i], i, word)
         if self._open:
             group = self._open[-1]
             reason = f"O{group.word.label} {_CLOSED_BY[group.word.keyword]} is missing"
-            raise lines[group.first].error(group.word.start, group.word.end, reason)
+            raise self.lines[group.first].error(group.word.start, group.word.end, reason)
 
     def _place(self, line: Line, i: int, word: OWord) -> None:
         top = self._open[-1] if self._open else None
         mine = top if top is not None and top.word.label == word.label else None
         closes = mine is not None and _CLOSED_BY[mine.word.keyword] == word.keyword
+        if word.keyword in ("ENDSUB", "RETURN"):
+            self.leaves.setdefault(word.label, []).append(i)
         if mine is not None and closes and not (word.keyword == "WHILE" and mine.word.keyword == "WHILE"):
             mine.last = i
             self.groups[i] = mine
@@ -67,6 +79,13 @@ class Structure:
             inside = f"; O{top.word.label} {top.word.keyword} is still open" if top else ""
             reason = f"O{word.label} {_OPENER[word.keyword]} is not open here{inside}"
             raise line.error(word.start, word.end, reason)
+        elif not word.keyword and self._sub:
+            raise line.error(word.start, word.end, "a label alone begins a program; it cannot stand in a subroutine")
+
+    @property
+    def _sub(self) -> str:
+        """The label of the subroutine that is open."""
+        return self._open[0].word.label if self._open and self._open[0].word.keyword == "SUB" else ""
 
     def _begin(self, line: Line, i: int, word: OWord) -> None:
         group = Group(i, word)
@@ -76,6 +95,11 @@ class Structure:
             if word.label in self.subs:
                 raise line.error(word.start, word.end, f"subroutine O{word.label} is defined twice")
             self.subs[word.label] = group
+        else:
+            before = self._labels.setdefault((self._sub, word.label), i)
+            if before != i:
+                reason = f"the label O{word.label} is taken by line {self.lines[before].number}; a label stands for one"
+                raise line.error(word.start, word.end, f"{reason} branch or loop")
         self.groups[i] = group
         self._open.append(group)
 
@@ -88,31 +112,32 @@ class Structure:
         self.groups[i] = mine
 
     def _leave(self, line: Line, i: int, word: OWord) -> None:
-        kinds = ("SUB",) if word.keyword == "RETURN" else LOOPS
+        kinds = ("SUB",) if word.keyword == "RETURN" else _LOOPS
         for group in reversed(self._open):
             if group.word.label == word.label and group.word.keyword in kinds:
                 self.groups[i] = group
                 return
         what = "subroutine" if word.keyword == "RETURN" else "loop"
-        raise line.error(word.start, word.end, f"no {what} O{word.label} is open here")
+        hint = "" if what == "subroutine" else "; BREAK and CONTINUE are for WHILE and DO"
+        raise line.error(word.start, word.end, f"no {what} O{word.label} is open here{hint}")
 
 
-def o_word(line: Line) -> OWord | None:
-    """The O word a line begins with, or None. Raises ProgramError for one without label or keyword."""
+def o_word(line: Squeezed) -> OWord | None:
+    """The O word a line begins with, or None. Raises ProgramError for one without label, or an unknown keyword."""
     begin = _O_WORD.match(line.text)
     if begin is None:
         return None
-    start = line.text.upper().index("O", 0, begin.end())
+    start = begin.start(1)
     label = _LABEL.match(line.text, begin.end())
     if label is None:
         raise line.error(start, begin.end(), "an O word has a number or a <name>")
     pos = label.end()
-    while line.text[pos : pos + 1] in (" ", "\t"):
-        pos += 1
-    found = _KEYWORD.match(line.text, pos)
-    keyword = found[0].upper() if found else ""
-    if keyword not in KEYWORDS:
+    name = str(int(label[0])) if label[1] is None else label[1].lower()
+    if line.text[pos : pos + 1] in ("", "(", ";"):
+        return OWord(name, "", start, pos)
+    keyword = _KEYWORD.match(line.text, pos)
+    if keyword is None:
+        word = re.match(r"[A-Za-z]*", line.text[pos:])
         reason = f"the O word has no keyword known here; there are {', '.join(KEYWORDS)}"
-        raise line.error(start, pos + len(keyword), reason)
-    name = label[0] if label[1] is None else "".join(label[1].split()).lower()
-    return OWord(name.lstrip("0") or "0" if label[1] is None else f"<{name}>", keyword, start, pos + len(keyword))
+        raise line.error(start, pos + (word.end() if word else 0), reason)
+    return OWord(name, keyword[0].upper(), start, keyword.end())

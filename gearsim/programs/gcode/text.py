@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import codecs
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
@@ -43,20 +44,24 @@ class Text:
 
 
 def as_line(name: str, number: int, raw: bytes) -> Line:
-    """A line from its bytes without the line feed; what is not ASCII stays one strange character a byte."""
-    return Line(name, number, raw.removesuffix(b"\r").decode("latin-1"))
+    """A line from its bytes without the line feed: UTF-8, or else Latin-1, which has a character for every byte."""
+    try:
+        return Line(name, number, raw.decode("utf-8"))
+    except UnicodeDecodeError:
+        return Line(name, number, raw.decode("latin-1"))
 
 
 def open_text(source: str | Path) -> Text:
-    """A program from its text or from a file. Raises InputError where the file cannot be read."""
+    """A program from its text or from a file; byte-order marks are taken off, UTF-16 is known by its mark.
+
+    Raises InputError where the file cannot be read.
+    """
     if isinstance(source, str):
-        return Text("program", source.encode("latin-1", "replace") if source.isascii() else _marked(source))
+        return Text("program", source.removeprefix("\ufeff").encode("utf-8", "replace"))
     try:
-        return Text(str(source), source.read_bytes())
+        data = source.read_bytes()
     except OSError as error:
         raise InputError(f"cannot read program {source}: {error.strerror}") from error
-
-
-def _marked(source: str) -> bytes:
-    """Text with one byte a character, strange ones as a byte that is no ASCII, so that columns stay right."""
-    return "".join(char if ord(char) < 256 else "\xff" for char in source).encode("latin-1")
+    if data.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)):
+        data = data.decode("utf-16", "replace").encode("utf-8", "replace")
+    return Text(str(source), data.removeprefix(codecs.BOM_UTF8))

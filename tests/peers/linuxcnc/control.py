@@ -41,7 +41,9 @@ class Control:
         values[5220] = 1.0
         for i, name in enumerate(SYSTEMS):
             values |= {5221 + 20 * i + k: 0.0 for k in range(10)}
-            values |= {5221 + 20 * i + AXES.index(axis): _inches(axis, v) for axis, v in self.offsets.get(name, {}).items()}
+            values |= {
+                5221 + 20 * i + AXES.index(axis): _inches(axis, v) for axis, v in self.offsets.get(name, {}).items()
+            }
         values |= {5161 + AXES.index(axis): _inches(axis, v) for axis, v in self.home.items()}
         return "".join(f"{number}\t{value:.14f}\n" for number, value in sorted(values.items()))
 
