@@ -7,7 +7,7 @@ import pytest
 from numpy.testing import assert_allclose
 
 from gearsim.machines.catalogue import table_table_bc
-from gearsim.programs.gcode import ReadSettings, read_program
+from gearsim.programs.gcode import ProgramError, ReadSettings, read_program
 
 FOLDER = Path(__file__).parents[1] / "data" / "gcode"
 MACHINE = table_table_bc()
@@ -57,6 +57,23 @@ def no_motion(name):
     assert_allclose(blocks(name).values[:, :2], [[5.0, 5.0]])
 
 
+def arguments_behind_comments(name):
+    assert_allclose(blocks(name).values[:, :2], [[1.0, 2.0]])
+
+
+def equal_within_tolerance(name):
+    assert_allclose(blocks(name).values[:, 0], [1.0])
+
+
+def rounded_away_from_zero(name):
+    assert_allclose(blocks(name).values[:, 0], [-3.0])
+
+
+def text_behind_an_o_word(name):
+    with pytest.raises(ProgramError, match=r"trailing\.ngc, line 3, column 10, G0 X2"):
+        blocks(name)
+
+
 CASES = {
     "circle.nc": circle,
     "turns.ngc": turns,
@@ -65,9 +82,17 @@ CASES = {
     "g43_h0.ngc": loaded_length,
     "g92_g52.ngc": one_register,
     "fanuc_g501.nc": no_motion,
+    "call_comment.ngc": arguments_behind_comments,
+    "eq.ngc": equal_within_tolerance,
+    "round.ngc": rounded_away_from_zero,
+    "trailing.ngc": text_behind_an_o_word,
 }
 
 
 @pytest.mark.parametrize("name", CASES)
 def test_a_program_does_what_its_control_does(name):
     CASES[name](name)
+
+
+def test_every_program_has_its_answer():
+    assert {path.name for path in FOLDER.iterdir() if path.is_file()} == set(CASES)

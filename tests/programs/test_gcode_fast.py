@@ -71,15 +71,18 @@ arc = st.tuples(st.sampled_from(["G2", "G3"]), numbers, numbers, st.sampled_from
 special = st.sampled_from([
     "(COMMENT)", "N10 (OPERATION)", "G55", "G54", "T1 M6", "T2 M6", "G43 H1", "G49", "G43.4 H2", "M8", "G93",
     "G94 F3", "G20", "G21", "G18", "G17", "G91 G28 Z0", "G92 X0", "", "G80", "%", "G4 P10", "G95 S100", "/X1",
-    "G53 G0 Z7", "N20",
+    "G53 G0 Z7", "N20", "G52 Y2", "G90.1", "G91.1", "G2 X1 I1 J1 P2", "G1", "G2", "G92.1 X1", "G10 L2 P2 X3",
+    "X1 ; Y2", "G50.1 X0", "G5.1 Q1 X0 R5", "G54.1 P3", "T0 M6", "G43", "G43.1 Z3", "G92.2", "G92.3", "G20 F2",
+    "F3 G21", "G10 L20 P1 X3",
 ])  # fmt: skip
 lines = st.lists(good | good | good | arc | special | st.lists(words, max_size=5).map(" ".join), max_size=60)
 
 
 @settings(max_examples=150, deadline=None)
-@given(lines, st.sampled_from(["fanuc", "linuxcnc"]), st.sampled_from(["\n", "\r\n"]), st.booleans())
-def test_both_roads_agree_on_programs(program, dialect, end, deletes):
-    chosen = dataclasses.replace(OFFSETS, block_delete=deletes)
+@given(lines, st.sampled_from(["fanuc", "linuxcnc"]), st.sampled_from(["\n", "\r\n"]), st.booleans(), st.booleans())
+def test_both_roads_agree_on_programs(program, dialect, end, deletes, cuts):
+    chosen = dataclasses.replace(OFFSETS, block_delete=deletes, tools=(1, 2) if cuts else None)
+    program = ["T1 M6", "G43 H1", "G0 X1 Y1 Z1", *program] if cuts else program
     both_roads_agree("G0 F9\n" + end.join(program), dialect=dialect, settings=chosen)
 
 
@@ -88,6 +91,10 @@ def test_both_roads_agree_on_programs(program, dialect, end, deletes):
 def test_both_roads_agree_on_programs_without_errors(program, mode):
     head = ["G0 X0 Y0 Z0 F1", "G93 G1", "G43.4 H1"][: mode + 1]
     both_roads_agree("\n".join(head + [line for line in program if mode < 2 or line[:2] not in ("G2", "G3")]))
+
+
+def test_both_roads_agree_on_the_plane_of_what_is_no_arc():
+    both_roads_agree("G0 F9\nG18\nG2 X.5 Y.5 I-3.25 F7\nG4 P10", settings=OFFSETS)
 
 
 NUMBER = st.from_regex(r"[+-]?([0-9]{1,9}(\.[0-9]{0,25})?|\.[0-9]{1,25})", fullmatch=True)

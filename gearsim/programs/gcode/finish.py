@@ -25,7 +25,7 @@ class Batch(NamedTuple):
     line: NDArray[np.integer]
     tool: NDArray[np.integer]
     operation: NDArray[np.integer]
-    turns: tuple[NDArray, NDArray, int] | None
+    turns: tuple[NDArray, NDArray, NDArray] | None
 
 
 class MoveError(Exception):
@@ -136,7 +136,8 @@ def _length(moves: Moves, machine: Machine, turning: NDArray, circles: Arcs | No
     return way
 
 
-def _spread(turning: NDArray, circles: Arcs, n: int, plane: int) -> tuple[NDArray, NDArray, int]:
-    sweep, centre = np.zeros(n), np.zeros((n, 3))
-    sweep[turning], centre[turning] = circles.sweep, circles.centre
-    return sweep, centre, PLANES[plane][2]
+def _spread(turning: NDArray, circles: Arcs, n: int, plane: int) -> tuple[NDArray, NDArray, NDArray]:
+    """Sweep, centre and normal of all moves; straight ones have none, whatever the plane."""
+    sweep, centre, normal = np.zeros(n), np.zeros((n, 3)), np.full(n, 2, dtype=np.int8)
+    sweep[turning], centre[turning], normal[turning] = circles.sweep, circles.centre, PLANES[plane][2]
+    return sweep, centre, normal
