@@ -22,8 +22,9 @@ class ProgramMotion:
     """The blocks of a program that move the machine, one piece each, in their order.
 
     All axes are linear in time; with tip control the tip runs straight on the workpiece instead (Zhou 2015, 4.15
-    to 4.17); in an arc the linear axes turn about its centre, and what rounding leaves between its end and the
-    programmed one is spread evenly over the block. Rapids are run like feeds, all axes arriving together.
+    to 4.17); in an arc the linear axes turn about its centre, and the distance from it goes evenly from that of
+    the start to that of the end: a spiral, where a control takes ends that lie off the circle. Rapids are run like
+    feeds, all axes arriving together.
     ``chosen`` (n,) picks blocks (default: all), between which the tool may then jump. Raises InputError where
     nothing moves, and for arcs under tip control.
     """
@@ -99,8 +100,10 @@ class ProgramMotion:
         arm = start - blocks.centre[row]
         along = (arm * normal).sum(axis=1, keepdims=True) * normal
         arm, side = arm - along, np.cross(normal, arm)
-        reached = start - arm + np.cos(sweep)[:, None] * arm + np.sin(sweep)[:, None] * side
-        turn = series.exp(time * (1j * sweep)).column
+        last = (end - blocks.centre[row]) * (1.0 - np.abs(normal))
+        growth = np.linalg.norm(last, axis=1) / np.linalg.norm(arm, axis=1) - 1.0
+        reached = start - arm + (1.0 + growth)[:, None] * (np.cos(sweep)[:, None] * arm + np.sin(sweep)[:, None] * side)
+        turn = (series.exp(time * (1j * sweep)) * (time * growth + 1.0)).column
         return turn.real * arm + turn.imag * side + time.column * (end - reached) + (start - arm)
 
     def _name(self, block: int) -> str:

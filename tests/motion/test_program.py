@@ -90,8 +90,24 @@ def test_an_arc_ends_where_it_is_programmed_and_turns_the_table_meanwhile():
     source, t = ProgramMotion(arc), np.array([0.0, 0.5, 1.0])
     tip = sampled(source, t).tip.value
     assert np.allclose(tip[[0, 2]], machine.forward(values)[0], atol=1e-12)
-    half = np.array([[10 / np.sqrt(2) + 0.0015, 10 / np.sqrt(2) + 0.002, 0.5, 0.05, 1.5]])
+    last = np.hypot(0.003, 10.004)
+    middle = 0.5 * (10.0 + last) / np.sqrt(2)
+    half = np.array([[middle + 0.0015, middle + 0.5 * (10.004 - last), 0.5, 0.05, 1.5]])
     assert np.allclose(tip[1], machine.forward(half)[0], atol=1e-12)
+
+
+@pytest.mark.parametrize("normal", [0, 1, 2])
+@pytest.mark.parametrize("sweep", [0.3, -2.0, 2.0 * np.pi, -6.0 * np.pi])
+def test_ends_off_the_circle_make_a_spiral(normal, sweep):
+    """Radius and angle go evenly (Archimedes), as LinuxCNC's trajectory planner moves; 2 mm off 1000 mm are allowed."""
+    u, v = (normal + 1) % 3, (normal + 2) % 3
+    centre, t = np.array([3.0, -4.0, 5.0]), np.linspace(0.0, 1.0, 5)
+    point = np.tile(centre, (len(t), 1))
+    point[:, u] += (1000.0 + 2.0 * t) * np.cos(0.4 + sweep * t)
+    point[:, v] += (1000.0 + 2.0 * t) * np.sin(0.4 + sweep * t)
+    values = np.hstack([point[[0, -1]], np.zeros((2, 2))])
+    arc = block_table(table_table_bc(), values, sweep=[sweep], centre=[centre], normal=[normal])
+    assert np.allclose(sampled(ProgramMotion(arc), t).tip.value, point, atol=1e-10)
 
 
 @pytest.mark.parametrize("order", [1, 2, 3])

@@ -66,9 +66,10 @@ class Block:
 
     def whole(self, word: Word, largest: int = 99_999_999) -> int:
         """The value of a word that has to be a whole number from 0 on."""
-        if not 0 <= word.value <= largest or word.value != int(word.value):
+        nearest = round(word.value)
+        if not 0 <= nearest <= largest or abs(word.value - nearest) > self.dialect.whole_within:
             raise self.error(word, f"expected a whole number from 0 to {largest} behind {word.letter}")
-        return int(word.value)
+        return nearest
 
     def check_all_taken(self) -> None:
         """Refuse the first word that nothing in the block has a use for."""
@@ -79,7 +80,9 @@ class Block:
     def _sort_g(self, word: Word) -> None:
         code, dialect = round(10.0 * word.value), self.dialect
         name = f"G{code / 10:g}"
-        if abs(code - 10.0 * word.value) > 1e-6 or not (code in dialect.groups or code in dialect.refused):
+        if abs(code - 10.0 * word.value) > dialect.code_within or not (
+            code in dialect.groups or code in dialect.refused
+        ):
             raise self.error(word, f"dialect {dialect.name} has no such G code")
         if code in dialect.refused:
             raise self.error(word, f"{name} is not read: {dialect.refused[code]}")

@@ -42,6 +42,7 @@ class Dialect:
     | ``turns`` | P of G2 and G3 counts turns |
     | ``arcs`` | what passes as an arc |
     | ``line_limit`` | how many characters a line may have |
+    | ``whole_within``, ``code_within`` | how far whole numbers and tenths of G codes may be off one |
 
     ``feed_of_all_axes``: what F of G94 and G95 counts. False: the linear axes' way, or, where they stand, the
     rotary axes' turn in degrees. True: the root of the squares of all, a degree as a unit of length; in arcs the
@@ -76,6 +77,8 @@ class Dialect:
     arcs: ArcRules
     feed_of_all_axes: bool
     line_limit: int
+    whole_within: float
+    code_within: float
 
 
 _GROUPS = {
@@ -162,6 +165,8 @@ FANUC = Dialect(
     arcs=FANUC_ARCS,
     feed_of_all_axes=True,
     line_limit=256,
+    whole_within=0.0,
+    code_within=1e-6,
 )
 
 LINUXCNC = Dialect(
@@ -218,6 +223,8 @@ LINUXCNC = Dialect(
     arcs=LINUXCNC_ARCS,
     feed_of_all_axes=False,
     line_limit=252,
+    whole_within=1e-4,
+    code_within=1e-3,
 )
 # fmt: on
 

@@ -159,16 +159,11 @@ class Interpreter:
 
     def _set_zero(self, block: Block, word: Word, code: int) -> None:
         state = self.state
-        named = state.stated(block)
-        stands = code == 920 or (self.dialect.one_register and self._number(block, "L") == 20)
-        if stands:
-            state.placing.check_zero(block, word, named)
+        if zeros.is_where_it_stands(block, code, state):
+            state.placing.check_zero(block, word, state.stated(block))
         elif state.absolute or not self.dialect.incremental_tables:
             state.placing.check_table(block, word)
         (zeros.shift_here if code == 920 else zeros.table)(block, word, state)
-
-    def _number(self, block: Block, letter: str) -> float | None:
-        return block.letters[letter].value if letter in block.letters else None
 
     def _dwell(self, block: Block, word: Word) -> None:
         seconds = dwell_seconds(block, word, self.dialect)

@@ -57,6 +57,12 @@ def shift_kept(block: Block, code: int, word: Word, state: State) -> None:
     state.refer()
 
 
+def is_where_it_stands(block: Block, code: int, state: State) -> bool:
+    """Whether a code sets the zero by the place where the tool stands."""
+    kind = block.letters.get("L")
+    return code == 920 or (code == 100 and state.dialect.one_register and kind is not None and round(kind.value) == 20)
+
+
 def table(block: Block, word: Word, state: State) -> None:
     """G10 L2 and L20: the place of a work offset, stated, or such that the tool stands at the programmed values."""
     refuse_tip(block, word, state)
@@ -88,10 +94,11 @@ def _named(block: Block, word: Word, kind: int, state: State) -> str:
 
 def _number(block: Block, word: Word, largest: int) -> int:
     number = block.need("P", word, "the number of the work offset")
-    if not 1 <= block.whole(number) <= largest:
+    found = block.whole(number)
+    if not 1 <= found <= largest:
         kind = "additional work offsets" if largest == 300 else "work offsets"
         raise block.error(number, f"{kind} are P1 to P{largest}")
-    return int(number.value)
+    return found
 
 
 def _need_axes(block: Block, word: Word, state: State) -> None:
