@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 INCH = 25.4
+_MET = 1e-9  # [mm] what meets a limit exactly is within it, whatever the last bit says
 
 
 @dataclass(frozen=True)
@@ -48,15 +49,19 @@ class ArcRules:
         """The same with another limit [mm] for arcs by their centre (None: the control's own)."""
         if tolerance is None:
             return self
-        return replace(self, centre_mm=tolerance, centre_inch=tolerance / INCH)
+        return replace(self, centre_mm=tolerance + _MET, centre_inch=(tolerance + _MET) / INCH)
 
 
-# Parameter 3410 as machine builders set it. Least increment of the finest system (IS-E): 1e-6 mm; all digits are read.
+# Fanuc: parameter 3410 for a machine of 0.01 mm; all digits are read, so ends are the same within the least increment
+# of the finest system, IS-E.
+_FANUC_LIMIT, _FANUC_INCREMENT = 0.01 + _MET, 1e-6
 FANUC_ARCS = ArcRules(
-    centre_mm=0.01, centre_inch=0.01 / INCH, share=0.0, largest=1.0, radius_mm=0.01, radius_inch=0.01 / INCH,
-    smallest_mm=1e-6, smallest_inch=1e-6 / INCH, same_angle=0.0, same_distance=1e-6,
+    centre_mm=_FANUC_LIMIT, centre_inch=_FANUC_LIMIT / INCH, share=0.0, largest=1.0,
+    radius_mm=_FANUC_LIMIT, radius_inch=_FANUC_LIMIT / INCH,
+    smallest_mm=_FANUC_INCREMENT, smallest_inch=_FANUC_INCREMENT / INCH, same_angle=0.0, same_distance=_FANUC_INCREMENT,
 )  # fmt: skip
-# LinuxCNC 2.9: ``src/emc/rs274ngc/interp_internal.hh`` and ``interp_arc.cc``; the angle is posemath's CIRCLE_FUZZ.
+# LinuxCNC 2.9: ``src/emc/rs274ngc/interp_internal.hh`` and ``interp_arc.cc``, bit for bit, as its own interpreter
+# decides; the angle is posemath's CIRCLE_FUZZ.
 LINUXCNC_ARCS = ArcRules(
     centre_mm=2 * 0.01 * 2**0.5, centre_inch=2 * 0.001 * 2**0.5, share=1e-3, largest=100.0,
     radius_mm=0.00005 * INCH, radius_inch=0.00005, smallest_mm=0.00005 * INCH, smallest_inch=0.00005,
