@@ -111,6 +111,7 @@ def test_fanuc_takes_radii_that_differ_by_its_parameter(units, unit):
 @pytest.mark.parametrize(("program", "taken"), [
     ("G21\nG3 X10 Y0 R4.99874", True), ("G21\nG3 X10 Y0 R4.99872", False), ("G21\nG3 X10 Y0 R-4.9988", True),
     ("G20\nG3 X10 Y0 R4.99996", True), ("G20\nG3 X10 Y0 R4.99994", False), ("G21\nG3 X10 Y0 R0", False),
+    ("G21\nG3 X.001 Y0 R0", False), ("G21\nG3 X.001 Y0 R.0005", True),
     ("G21\nG3 X0 Y0 I0.00126", False), ("G21\nG3 X0 Y0 I0.00128", True), ("G20\nG3 I0.0000496", False),
     ("G20\nG3 I0.0000504", True), ("G21\nG3 X5 I5", False), ("G21\nG3 I0 J0", False), ("G21\nG3 R5", False),
     ("G21\nG3 X0 Y0 R5", False), ("G21\nG3 Z-1 R5", False), ("G21\nG3", False), ("G21\nG3 Z-1", False),

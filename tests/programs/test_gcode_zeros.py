@@ -150,6 +150,12 @@ def test_feed_modes_forget_the_feed():
     assert len(read("G1\nG0 X1", "fanuc").blocks) == 1
 
 
+def test_a_block_that_moves_nothing_takes_no_time_in_linuxcnc():
+    program = "G93 G1 X0 F2\nX1 F2\n" + 40 * "X1 F4\n"
+    assert_allclose(read(program).blocks.seconds, [0.0, 30.0, *(40 * [0.0])])
+    assert_allclose(read(program, "fanuc").blocks.seconds, [30.0, 30.0, *(40 * [15.0])])
+
+
 def test_semicolons_end_blocks_on_a_fanuc():
     """Text behind one is the next block; in a comment it is text; LinuxCNC takes what follows for a comment."""
     assert x("G0 X1; X2;X3 ;\n(A;B) X4 (C; D);G91 X1\n;\nX1;", "fanuc") == [1, 2, 3, 4, 5, 6]

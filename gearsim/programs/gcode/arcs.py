@@ -55,7 +55,9 @@ def arcs(
     centre[:, [a, b]] += offset
     miss = np.where(by_radius, short, np.abs(other - radius))
     least = rules.smallest(scale) * scale
-    exists = np.where(by_radius, np.isfinite(turn) & ~is_full, np.minimum(radius, other) >= least)
+    exists = np.where(
+        by_radius, np.isfinite(turn) & ~is_full & (words[:, 3] != 0.0), np.minimum(radius, other) >= least
+    )
     allowed = np.where(
         by_radius, short <= rules.radius(scale) * scale, _is_near(miss, np.maximum(radius, other), scale, rules)
     )

@@ -46,7 +46,8 @@ class Dialect:
 
     ``feed_of_all_axes``: what F of G94 and G95 counts. False: the linear axes' way, or, where they stand, the
     rotary axes' turn in degrees. True: the root of the squares of all, a degree as a unit of length; in arcs the
-    way in their plane. Under tip control it is the tip's way on the workpiece in both.
+    way in their plane. Under tip control it is the tip's way on the workpiece in both. False has F of G93 as well
+    count a way, so that a block that moves nothing takes no time.
     """
 
     name: str

@@ -97,7 +97,12 @@ def _no_arc(moves: Moves, i: int, miss: float, rules: ArcRules) -> MoveError:
     chord = float(np.hypot(*(moves.ends[i] - moves.before[i])[[a, b]]))
     if not np.isnan(radius):
         if np.isnan(miss):
-            return MoveError(i, "R", "a full circle needs its centre (I, J, K); R does not settle it")
+            reason = (
+                "a radius is not zero"
+                if radius == 0.0
+                else "a full circle needs its centre (I, J, K); R does not settle it"
+            )
+            return MoveError(i, "R", reason)
         return MoveError(i, "R", f"the radius {radius:g} mm does not reach the end, which is {chord:g} mm away")
     if np.isnan(miss):
         return MoveError(i, "IJK", "the arc's centre is its start or its end")
@@ -112,7 +117,8 @@ def _seconds(moves: Moves, machine: Machine, turning: NDArray, circles: Arcs | N
     mode, feed = moves.mode, moves.feed
     with np.errstate(divide="ignore", invalid="ignore"):
         if mode.feed_mode == 93:
-            seconds = 60.0 / feed
+            stands = (moves.ends == moves.before).all(axis=1) & (moves.motion <= FEED) & (not all_axes)
+            seconds = np.where(stands, 0.0, 60.0 / feed)
         else:
             per_minute = feed * (mode.spindle if mode.feed_mode == 95 else 1.0)
             seconds = 60.0 * _length(moves, machine, turning, circles, all_axes) / per_minute
