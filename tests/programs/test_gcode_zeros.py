@@ -112,6 +112,9 @@ def test_lengths_of_linuxcnc():
                          ("G43 H1\nG43.2 H2", 81), ("G43.1 Z50\nG43.1", 1)):  # fmt: skip
         assert read(f"T1 M6\n{code}\nG0 Z1", **z).blocks.values[-1, 2] == height
     assert read("T1 M6\nG0 Z9\nG43.1 Z20\nX1", **z).blocks.values[-1, 2] == -41.0  # nothing moves
+    refused("T7", "column 1, T7: the settings have no length for tool 7", **z)
+    refused("M61 Q1", "M61 is not read: setting the tool number without a change")
+    refused("G0 @1 ^30", "@: polar coordinates are not read; write X and Y")
     refused("G43.1 X1", "X1: a tool offset beside its length is not read")
     refused("G43.2", "H, the number of the tool length, is missing")
     refused("G49 H1", "nothing in this block has a use for the letter H")

@@ -31,7 +31,7 @@ class Dialect:
     | ``moves_at_code`` | G1, G2 and G3 ask for their words even where a block has no axis |
     | ``start_motion`` | the motion in force at the start (None: none) |
     | ``dwell_unit`` | what P of G4 counts in [s] |
-    | ``tool_length_of_tool`` | G43 without H or with H0 takes the length of the tool in the spindle |
+    | ``tool_length_of_tool`` | T is one of the table of lengths, G43 without H or with H0 takes the tool's |
     | ``length_off_letters`` | letters that G49 takes along |
     | ``parameters`` | # parameters, [ ] expressions and O words are part of the language |
     | ``semicolon_ends_block`` | what stands behind ``;`` is the next block (else a comment) |
@@ -136,7 +136,15 @@ FANUC = Dialect(
         421: "normal direction control",
         70: "hypothetical axis interpolation", 71: "cylindrical interpolation", 90: "exact stop for a block; use G61",
         160: "polar coordinates", 270: "the reference point check", 290: "the way back from the reference point",
+        **dict.fromkeys((22, 32), "involute interpolation"), **dict.fromkeys((23, 33), "exponential interpolation"),
+        **dict.fromkeys((24, 34), "three-dimensional circular interpolation"), 62: "a NURBS block",
+        **dict.fromkeys((1070, 1120, 1130), "cylindrical or polar interpolation"),
+        **dict.fromkeys((220, 230), "the stored stroke check"), 301: "the floating reference point",
+        370: "measuring a tool's length", 431: "a tool length along the tool's axis; use G43.4",
         435: "tool centre point control with tool vectors; use G43.4 with rotary axes",
+        **dict.fromkeys((450, 460, 470, 480), "a tool offset of the axes; program the tool's centre"),
+        **dict.fromkeys((502, 512), "polygon turning"), 600: "positioning from one side",
+        **dict.fromkeys((620, 630), "another feed in corners or for tapping; use G64"),
         440: "negative tool length compensation; use G43", 510: "scaling", 511: "mirror",
         531: "tool axis direction control of a tilted plane", 542: "dynamic fixture offset",
         544: "workpiece setting error compensation", 650: "a macro call; expand the macro",
@@ -188,6 +196,7 @@ LINUXCNC = Dialect(
     refused={
         **_REFUSED,
         50: "a cubic spline", 51: "a quadratic spline", 52: "a NURBS block", 53: "a NURBS block",
+        **dict.fromkeys((700, 710, 711, 712, 720, 721, 722), "a turning cycle"),
         70: "lathe diameters", 171: "the UV plane", 181: "the WU plane", 191: "the VW plane",
         281: "setting the home position; put it into the settings", 301: "setting the second reference point",
         **{380 + i: "probing, whose end the program does not state" for i in range(2, 6)},

@@ -126,6 +126,9 @@ def _reason(char: str) -> str:
         "%": "the sign % stands alone on its line",
         "/": "block delete stands at the start of a line",
         ")": "a comment ends that has not begun",
+        "@": "polar coordinates are not read; write X and Y",
+        "^": "polar coordinates are not read; write X and Y",
+        "$": "the number of a spindle is not read; there is one",
     }
     if char in known:
         return known[char]

@@ -33,7 +33,7 @@ class Tooling:
             raise block.error(change, "no tool is called; T is missing")
         if state.tip:
             raise block.error(change, "tool centre point control is on; switch it off by G49 before")
-        length = self._length(block, change if word is None else word, state.next_tool)
+        length = self._length(block, word or change, state.next_tool)
         state.tool = state.next_tool
         self.journal.tool_change(block, state)
         state.placing.take_tool(state.tool)
@@ -99,6 +99,8 @@ class Tooling:
         if tools is not None and number and number not in tools:
             known = ", ".join(f"T{n}" for n in sorted(tools))
             raise block.error(word, f"tool T{number} is not among the tools there are: {known}")
+        if self.state.dialect.tool_length_of_tool:
+            self._length(block, word, number)
 
     def _length(self, block: Block, word: Word, number: int) -> float:
         lengths = self.settings.tool_lengths
