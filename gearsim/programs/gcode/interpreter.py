@@ -50,7 +50,8 @@ class Interpreter:
             self._percent(line)
             return
         self._has_lines = self._has_lines or bool(line.text.strip())
-        for part in _blocks(line) if self.dialect.semicolon_ends_block else (line,):
+        splits = self.dialect.semicolon_ends_block and ";" in line.text
+        for part in _blocks(line) if splits else (line,):
             if not self.ended:
                 self._block(part)
 
@@ -172,12 +173,12 @@ class Interpreter:
     def _home(self, block: Block, word: Word) -> None:
         state = self.state
         zeros.refuse_tip(block, word, state)
-        named = list(state.stated(block))
+        named = state.stated(block)
         if not named and not self.dialect.parameters:
             raise block.error(word, "the axes that go home are missing")
         if named and state.absolute:
             state.placing.check_move(block, word, named, True, state.offsets)
-        self._rapid_to(block, state.target(block))
+        self._rapid_to(block, state.target(named))
         home = state.offsets.from_machine(state.home)
         chosen = named or range(len(home))
         state.placing.leave(chosen)
@@ -216,7 +217,7 @@ class Interpreter:
         before, columns = state.position, state.stated(block)
         if machine_coordinates is None:
             state.placing.check_move(block, word, columns, state.absolute, state.offsets)
-            target = state.target(block)
+            target = state.target(columns)
         else:
             target = self._machine_target(block, machine_coordinates)
             state.placing.leave(columns)

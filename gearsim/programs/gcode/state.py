@@ -80,13 +80,12 @@ class State:
 
     def stated(self, block: Block) -> dict[int, float]:
         """The axis words of a block by column [mm, rad]."""
-        columns = {self.column[letter]: word.value for letter, word in block.axes.items()}
-        return {i: value * self.factor(i) for i, value in columns.items()}
+        return {(i := self.column[letter]): word.value * self.factor(i) for letter, word in block.axes.items()}
 
-    def target(self, block: Block) -> list[float]:
-        """Where the axis words lead, from the position in force."""
+    def target(self, stated: dict[int, float]) -> list[float]:
+        """Where axis words lead, from the position in force."""
         target = self.position[:]
-        for i, value in self.stated(block).items():
+        for i, value in stated.items():
             target[i] = value + (self.shift[i] if self.absolute else target[i])
         return target
 
