@@ -72,7 +72,7 @@ def test_a_circle_closes_in_every_plane_and_across_offsets_and_units(dialect):
 
 
 def test_ends_apart_by_more_than_the_resolution_make_a_short_arc():
-    """LinuxCNC: 1e-6 rad (posemath's CIRCLE_FUZZ); a Fanuc with all its digits: 1e-6 mm."""
+    """LinuxCNC: 1e-6 rad (posemath's CIRCLE_FUZZ); a Fanuc with all its digits: half of 1e-6 mm."""
     for dialect, apart in (("linuxcnc", 1e-4), ("fanuc", 1e-6)):
         for factor, sign in product((0.4, 2.5), (1, -1)):
             arc = f"G0 X100 Y0 F9\nG3 X100 Y{sign * factor * apart:.9f} I-100 J0"

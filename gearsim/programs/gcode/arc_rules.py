@@ -52,13 +52,14 @@ class ArcRules:
         return replace(self, centre_mm=tolerance + _MET, centre_inch=(tolerance + _MET) / INCH)
 
 
-# Fanuc: parameter 3410 for a machine of 0.01 mm; all digits are read, so ends are the same within the least increment
+# Fanuc: parameter 3410 set to 0.01 mm; all digits are read, so ends are the same within half the least increment
 # of the finest system, IS-E.
 _FANUC_LIMIT, _FANUC_INCREMENT = 0.01 + _MET, 1e-6
 FANUC_ARCS = ArcRules(
     centre_mm=_FANUC_LIMIT, centre_inch=_FANUC_LIMIT / INCH, share=0.0, largest=1.0,
     radius_mm=_FANUC_LIMIT, radius_inch=_FANUC_LIMIT / INCH,
-    smallest_mm=_FANUC_INCREMENT, smallest_inch=_FANUC_INCREMENT / INCH, same_angle=0.0, same_distance=_FANUC_INCREMENT,
+    smallest_mm=_FANUC_INCREMENT, smallest_inch=_FANUC_INCREMENT / INCH, same_angle=0.0,
+    same_distance=0.5 * _FANUC_INCREMENT,
 )  # fmt: skip
 # LinuxCNC 2.9: ``src/emc/rs274ngc/interp_internal.hh`` and ``interp_arc.cc``, bit for bit, as its own interpreter
 # decides; the angle is posemath's CIRCLE_FUZZ.

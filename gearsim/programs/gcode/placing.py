@@ -105,7 +105,7 @@ class Placing:
 
     def _offset_reason(self) -> str:
         there = sorted({self.settings.workpiece, *self.settings.offsets})
-        return f"and its place is not known here; known are {', '.join(there)}"
+        return f"and its place is not known here; known are {', '.join(there)}; a scene says it by program.work_offset"
 
     def _length_reason(self) -> str:
         wanted = f"G43 H{self._tool} is missing before" if self._register is None else f"expected H{self._tool}"
