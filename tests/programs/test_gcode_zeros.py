@@ -116,6 +116,8 @@ def test_lengths_of_linuxcnc():
     refused("M61 Q1", "M61 is not read: setting the tool number without a change")
     refused("G0 @1 ^30", "@: polar coordinates are not read; write X and Y")
     refused("G43.1 X1", "X1: a tool offset beside its length is not read")
+    refused("G43.2 H1 G0 X1", "column 13, X1: G43.2 takes H or axis words, not both")
+    refused("G43.1 G53", "G53: G53 and G43.1 both want the axis words")
     refused("G43.2", "H, the number of the tool length, is missing")
     refused("G49 H1", "nothing in this block has a use for the letter H")
     refused("T1 M6\nG43 H3", "the settings have no length for tool 3", **z)

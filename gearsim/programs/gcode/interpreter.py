@@ -147,6 +147,8 @@ class Interpreter:
             return None
         code, word = block.g["one block"]
         if code == 530:
+            if owners:
+                raise block.error(word, f"G53 and G{owners[0][0] / 10:g} both want the axis words")
             return word
         if code == 40:
             self._dwell(block, word)

@@ -60,6 +60,8 @@ class Tooling:
         if code == 431:
             self._stated(block, word)
             return
+        if code == 432 and block.axes:
+            raise block.error(next(iter(block.axes.values())), "G43.2 takes H or axis words, not both; H is read")
         slides = sum(not joint.is_rotary for joint in state.machine.joints)
         if code == 434 and (state.machine.axes[:3] != ("X", "Y", "Z") or slides != 3):
             there = ", ".join(state.machine.axes)
