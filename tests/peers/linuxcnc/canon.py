@@ -65,7 +65,7 @@ class Canon:
         end = self._machine(told)
         way = math.dist(end[:3], self.nose[:3])
         turn = math.dist(end[3:], self.nose[3:])
-        minutes = way / self._rate(self.feed) if way > 1e-9 else turn / self._rate(self.turning)
+        minutes = way / self._rate(self.feed) if way > 1e-7 else turn / self._rate(self.turning)
         self._go(Move("feed", end, 60.0 * minutes))
 
     def _arc_feed(self, told: list) -> None:

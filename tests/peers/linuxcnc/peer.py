@@ -42,7 +42,8 @@ class Peer:
     def __init__(self, folder: Path, work: Path):
         self.binary, self.work = fetch(folder) / "usr/bin/rs274-nine", work
         places = [str(folder / "usr/lib"), str(folder / "usr/lib/x86_64-linux-gnu")]
-        self.environment = {**os.environ, "LD_LIBRARY_PATH": ":".join(places)}
+        # The peer keeps its tool table in a file at home, which a second one beside it would change.
+        self.environment = {**os.environ, "LD_LIBRARY_PATH": ":".join(places), "HOME": str(work)}
 
     def run(self, program: str, control: Control) -> Answer:
         """Run a program."""
@@ -53,7 +54,7 @@ class Peer:
         command = [self.binary, "-g", "-v", "p.var", "-t", "p.tbl", *(["-b"] if control.block_delete else [])]
         try:
             done = subprocess.run(
-                [*command, "p.ngc", "p.out"], cwd=self.work, env=self.environment, capture_output=True, timeout=20
+                [*command, "p.ngc", "p.out"], cwd=self.work, env=self.environment, capture_output=True, timeout=5
             )
         except subprocess.TimeoutExpired:
             return Answer([], "the program does not end")
