@@ -1,9 +1,9 @@
 """Runs a LinuxCNC program with O words: subroutines, branches and loops, line by line.
 
 Some of it is what the control does rather than what one expects: conditions of branches behind the one taken are
-evaluated, a subroutine's return values already where it is defined; a BREAK out of WHILE lets the next DO loop
-run once, a CONTINUE in DO turns the next BREAK of a WHILE into a CONTINUE and runs a REPEAT twice; a REPEAT that a
-RETURN leaves goes on with its count in the next call.
+evaluated, a subroutine's return values already where it is defined; a BREAK in WHILE, be it only passed over,
+lets the next DO loop run once, a CONTINUE in DO turns the next BREAK of a WHILE into a CONTINUE and runs a REPEAT
+twice; a REPEAT that a RETURN leaves goes on with its count in the next call.
 """
 
 from __future__ import annotations
@@ -149,6 +149,7 @@ class Flow:
         if goes_on:
             return at + 1
         self._nothing(group.last)
+        self._pass_breaks(at, group)
         self._continues = False
         return self._skip(at, group.last + 1)
 
@@ -184,12 +185,18 @@ class Flow:
         """To the end of the loop; at the end of WHILE a CONTINUE goes on, be it an old one."""
         self._nothing(at)
         group = self.structure.groups[at]
+        self._pass_breaks(at, group)
         self._skip(at, group.last)
         if group.word.keyword == "DO":
             return group.last
         self._nothing(group.last)
         again, self._continues = self._continues, False
         return group.first if again else group.last + 1
+
+    def _pass_breaks(self, at: int, group: Group) -> None:
+        """The control, on its way to a loop's end, takes note of the loop's own BREAKs."""
+        words = self.structure.words
+        self._breaks = self._breaks or any(words[i].keyword == "BREAK" for i in group.between if i > at)
 
     def _number(self, at: int) -> float:
         """The one value behind an O word."""

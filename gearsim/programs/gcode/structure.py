@@ -115,6 +115,7 @@ class Structure:
         kinds = ("SUB",) if word.keyword == "RETURN" else _LOOPS
         for group in reversed(self._open):
             if group.word.label == word.label and group.word.keyword in kinds:
+                group.between.append(i)
                 self.groups[i] = group
                 return
         what = "subroutine" if word.keyword == "RETURN" else "loop"

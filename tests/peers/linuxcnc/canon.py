@@ -8,6 +8,7 @@ import re
 from tests.peers.linuxcnc.moves import FUZZ, TURN, Move, stands
 
 PLANES = {"XY": (17, 0, 1, 2), "XZ": (18, 2, 0, 1), "YZ": (19, 1, 2, 0)}
+_NUMBER = re.compile(r"-?(?:[\d.]+|nan|inf)\b")
 NOTHING = (0.0,) * 6
 
 
@@ -26,7 +27,7 @@ class Canon:
         name, _, rest = line.partition("(")
         action = getattr(self, f"_{name.lower()}", None)
         if action is not None:
-            action([float(number) for number in re.findall(r"-?[\d.]+(?:e-?\d+)?", rest)] or [rest])
+            action([float(number) for number in _NUMBER.findall(rest)] or [rest])
 
     def _use_length_units(self, told: list) -> None:
         self.scale = 25.4 if "INCHES" in told[0] else 1.0
@@ -56,7 +57,8 @@ class Canon:
         self.speed = told[1]
 
     def _dwell(self, told: list) -> None:
-        self.moves.append(Move("dwell", self.nose, told[0]))
+        if told[0]:
+            self.moves.append(Move("dwell", self.nose, told[0]))
 
     def _straight_traverse(self, told: list) -> None:
         self._go(Move("rapid", self._machine(told)))

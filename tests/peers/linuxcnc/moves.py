@@ -45,15 +45,15 @@ def differences(peer: list[Move], ours: list[Move], tolerance: float = 1e-6) -> 
 def _difference(a: Move, b: Move, tolerance: float) -> str:
     if a.kind != b.kind:
         return f"kind {a.kind}, ours {b.kind}"
-    if any(abs(p - q) > tolerance for p, q in zip(a.end, b.end, strict=True)):
+    if not all(abs(p - q) <= tolerance for p, q in zip(a.end, b.end, strict=True)):
         return "end"
     if a.kind != "rapid" and not abs(a.seconds - b.seconds) <= 1e-6 * max(1.0, abs(a.seconds)):
         return f"time {a.seconds:.6g} s, ours {b.seconds:.6g} s"
     if a.kind == "arc":
         if a.plane != b.plane:
             return "plane"
-        if any(abs(p - q) > tolerance for p, q in zip(a.centre, b.centre, strict=True)):
+        if not all(abs(p - q) <= tolerance for p, q in zip(a.centre, b.centre, strict=True)):
             return "centre"
-        if abs(a.sweep - b.sweep) > 1e-5:
+        if not abs(a.sweep - b.sweep) <= 1e-5:
             return f"sweep {math.degrees(a.sweep):.6g} deg, ours {math.degrees(b.sweep):.6g} deg"
     return ""

@@ -35,7 +35,7 @@ def read(program: str, control: Control) -> list[Move]:
             move = Move("arc", tuple(end), seconds, (float(middle[a]), float(middle[b])), float(blocks.sweep[i]), plane)
         else:
             move = Move(kind, tuple(end), seconds)
-        if kind == "feed" and stands(move, nose) and not math.isnan(seconds):
+        if kind == "feed" and stands(move, nose) and seconds > 0.0:
             move = Move("dwell", tuple(end), seconds)
         if not stands(move, nose):
             found.append(move)

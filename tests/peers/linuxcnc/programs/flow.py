@@ -19,7 +19,7 @@ class Writer:
 
     def fresh(self) -> str:
         """A label, now and then one that is taken."""
-        if not self.dice.chance(0.01):
+        if not self.dice.chance(0.002):
             self.label += 1
         return f"<l {self.label}>" if self.named else str(self.label)
 
@@ -29,7 +29,7 @@ class Writer:
 
     def comment(self) -> str:
         """What may stand behind an O word, or seldom may not."""
-        return self.dice.pick(("", "", "", " (c)", " ; c", " (a)(b)", " [1]" if self.dice.chance(0.1) else ""))
+        return self.dice.pick(("", "", "", " (c)", " ; c", " (a)(b)", " [1]" if self.dice.chance(0.02) else ""))
 
     def block(self, depth: int, loop: str = "", sub: str = "") -> list[str]:
         """Some statements."""
@@ -49,7 +49,8 @@ class Writer:
             return self.loop(depth, sub)
         if kind < 12 and self.subs:
             told = "".join(f"[{self.condition()}]" + dice.pick(("", " (c) ")) for _ in range(dice.whole(0, 3)))
-            return [f"o{dice.pick(self.subs)} call {told}", "G0 Z[#<_value>+#<_value_returned>]"]
+            names = [name for name in self.subs if not sub or name < sub or dice.chance(0.1)] or self.subs
+            return [f"o{dice.pick(names)} call {told}", "G0 Z[#<_value>+#<_value_returned>]"]
         if loop:
             return self.guarded(f"o{loop} {dice.pick(('break', 'continue'))}")
         return self.guarded(f"o{sub} return [{self.condition()}]") if sub else ["G0 X#1 Y[#2+#40]"]

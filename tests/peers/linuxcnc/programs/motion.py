@@ -7,6 +7,9 @@ import math
 from tests.peers.linuxcnc.control import SYSTEMS, Control
 from tests.peers.linuxcnc.programs.dice import Dice
 
+WRONG = ("G93", "G94", "G95 F0.2", "G80", "G53 G1 X2", "G4 P1 X3", "G1 F0 X3", "G53 G0 X1", "G53", "G4", "G0 G1 X1",
+         "X1 X2", "G28 G0 X1", "G92", "G1 X1 Q2", "S-1", "F-1", "M3 M4", "G5 X1 Y1", "G81 Z-1 R1",
+         "M6", "G0 P1")  # fmt: skip
 PLANES = {17: ("X", "Y", "I", "J", "Z"), 18: ("Z", "X", "K", "I", "Y"), 19: ("Y", "Z", "J", "K", "X")}
 
 
@@ -32,19 +35,22 @@ def straight(dice: Dice) -> str:
         code = dice.pick(("G0", "G1", "G1", "", "", "G01", "G00"))
         feed = [f"F{dice.whole(1, 3000)}"] if dice.chance(0.3) else []
         return " ".join(dice.shuffled([*filter(None, [code]), *words(dice), *feed]))
+    if dice.chance(0.05):
+        return dice.pick(WRONG)
     return dice.pick(
         (
-            "G90", "G91", f"G4 P{dice.whole(0, 30) / 10}", "G80", f"M3 S{dice.whole(1, 9) * 500}", "M5", "(none)", "",
-            "G94 F100", "G93 G1 X1 Y2 F3", "G94", f"G53 G0 {words(dice)[0]}", f"G28 {words(dice)[0]}", "G28", "G61",
-            "G64 P0.01", "M8", "M9", "G95 F0.2", "G93", f"S{dice.whole(1, 4000)}", "G1", "G0", "G40", "G17 G49",
-            "G4 P1 X3", "G53 G1 X2 F40", "G1 G53 Z9", "M1", "M0", "G97 S200", "G91.1", "G90.1 G91", "G1 F0 X3",
+            "G90", "G91", f"G4 P{dice.whole(0, 30) / 10}", "G80\nG1", f"M3 S{dice.whole(1, 9) * 500}", "M5", "(c)", "",
+            "G93 G1 X1 Y2 F3\nG94 F100", "G94 F100", f"G90 G53 G0 {words(dice)[0]}", f"G28 {words(dice)[0]}", "G28",
+            "G64 P0.01", "M8", "M9", "S900 G95 F0.2", "G95 S2000 F.1\nG94 F90", f"S{dice.whole(1, 4000)}", "G1", "G0",
+            "G17 G49", "G90 G53 G1 X2", "G1 G90 G53 Z9", "M1", "M0", "G97 S200", "G91.1", "G90.1 G91", "G40", "G61",
+            "G4 P1\nX3",
         )
     )  # fmt: skip
 
 
 def moves(dice: Dice) -> tuple[str, Control]:
     """Straight moves, feed modes, dwells, home."""
-    lines = [dice.pick(("G21 G90", "G90 G94 F500", "G21", "F100", "G1 F250"))]
+    lines = [dice.pick(("G21 G90 G0 F80", "G90 G94 G1 F500", "G21 G1" if dice.chance(0.2) else "G1 F1", "G0 F100"))]
     home = {letter: dice.length() for letter in dice.some("XYZC")}
     return text(lines + [straight(dice) for _ in range(dice.whole(2, 14))]), Control(home=home)
 
@@ -52,12 +58,12 @@ def moves(dice: Dice) -> tuple[str, Control]:
 def arc(dice: Dice, plane: int, at: dict[str, float], inch: bool, absolute: bool, centres: bool) -> str:
     """An arc from ``at``, which goes along to its end: right, or off by about what is allowed."""
     a, b, i, j, c = PLANES[plane]
-    digits = dice.pick((3, 4, 5) if inch else (2, 3, 4))
+    digits = dice.pick((4, 5) if inch else (3, 4))
     radius = round(dice.between(0.2, 30.0) / (25.4 if inch else 1.0), digits)
     first, turn = dice.between(0.0, 2.0 * math.pi), dice.between(0.1, 2.0 * math.pi)
     if dice.chance(0.3):
         first, turn = 0.5 * math.pi * dice.whole(0, 3), 0.5 * math.pi * dice.whole(1, 4)
-    miss = dice.pick((0.0, 0.0, 0.0, 0.001, 0.003, 0.02, 0.03, 0.1)) / (25.4 if inch else 1.0)
+    miss = dice.pick((0.001, 0.003, 0.02, 0.03, 0.1)) / (25.4 if inch else 1.0) if dice.chance(0.15) else 0.0
     di, dj = round(-radius * math.cos(first), digits), round(-radius * math.sin(first), digits)
     da = round(di + (radius + miss) * math.cos(first + turn), digits)
     db = round(dj + (radius + miss) * math.sin(first + turn), digits)
@@ -71,7 +77,7 @@ def arc(dice: Dice, plane: int, at: dict[str, float], inch: bool, absolute: bool
         found.append(c + number(at[c] if absolute else dc))
     if dice.chance(0.25):
         chord = 0.5 * math.hypot(da, db)
-        size = dice.pick((radius, radius, chord, chord - 0.001, chord - 0.0001, chord + 0.001, round(chord, 3)))
+        size = dice.pick((radius, radius, chord + 0.001, round(chord, digits), chord - dice.pick((1e-3, 1e-4))))
         found.append(f"R{number(round(dice.pick((1, 1, -1)) * size, digits + 1))}")
     else:
         found += [i + number(start_a + di if centres else di), j + number(start_b + dj if centres else dj)]
@@ -119,7 +125,7 @@ def circles(dice: Dice) -> tuple[str, Control]:
 def zeros(dice: Dice) -> tuple[str, Control]:
     """Work offsets, G92 and G52, G53, incremental moves."""
     offsets = {system: {axis: dice.length() for axis in dice.some("XYZBC", 1)} for system in dice.some(SYSTEMS, 2)}
-    lines = ["G21 G90 F300"]
+    lines = ["G21 G90 G0 F300"]
     for _ in range(dice.whole(4, 14)):
         kind = dice.whole(0, 11)
         if kind < 3:
@@ -127,9 +133,9 @@ def zeros(dice: Dice) -> tuple[str, Control]:
         elif kind < 5:
             lines.append(dice.pick(("G92", "G92", "G52")) + " " + " ".join(words(dice)))
         elif kind < 6:
-            lines.append(dice.pick(("G92.1", "G92.1", "G92.2", "G92.3", "G52 X0 Y0 Z0", "G92", "G10 L2 P1 X3")))
+            lines.append(dice.pick(("G92.1", "G92.2", "G92.3", "G52 X0 Y0 Z0", "G10 L2 P1 X3", "G10 L20 P2 Y1")))
         elif kind < 7:
-            lines.append(dice.pick(("G90", "G91", "G53 G0 X1 Z2", "G53 G1 Y3", "G28", "G28 Z5", "G18", "G17")))
+            lines.append(dice.pick(("G90", "G91", "G90 G53 G0 X1 Z2", "G90 G53 G1 Y3", "G28", "G28 Z5", "G18", "G17")))
         else:
             lines.append(straight(dice))
     return text(lines), Control(offsets=offsets, home={"Z": 30.0, "X": dice.length()})
@@ -138,7 +144,7 @@ def zeros(dice: Dice) -> tuple[str, Control]:
 def units(dice: Dice) -> tuple[str, Control]:
     """Inches and millimetres in turn; F and the word of the unit never in one block."""
     offsets = {"G54": {"X": 25.4, "Z": dice.length()}, "G56": {"Y": dice.length(), "B": 10.0}}
-    lines = []
+    lines = ["F200", "G1"] if dice.chance(0.9) else []
     for _ in range(dice.whole(4, 14)):
         kind = dice.whole(0, 9)
         if kind < 3:
@@ -146,28 +152,26 @@ def units(dice: Dice) -> tuple[str, Control]:
         elif kind < 4:
             lines.append(f"F{dice.whole(1, 200)}")
         elif kind < 5:
-            lines.append(dice.pick(("G56", "G54", "G92 X1 Y2", "G92.1", "G52 Z1", "G95 S300 F0.1", "G94 F50", "G93")))
+            lines.append(dice.pick(("G56", "G54", "G92 X1 Y2", "G92.1", "G52 Z1", "G95 S300 F0.1", "G94 F50")))
         elif kind < 6:
-            lines.append(f"G{dice.whole(2, 3)} I{number(round(dice.between(0.1, 3.0), 3))} Z{dice.whole(0, 3)} F60")
+            lines.append(f"G{dice.whole(2, 3)} I{number(round(dice.between(0.1, 3.0), 3))} Z{dice.whole(0, 3)} F60\nG1")
         else:
             lines.append(straight(dice).replace("G28", "G0"))
     return text(lines), Control(offsets=offsets, tools={1: 40.0})
 
 
 def tools(dice: Dice) -> tuple[str, Control]:
-    """Tool changes and lengths."""
+    """Tool changes and lengths; in one unit, for the stand-alone peer does not convert lengths in force."""
     table = {n: round(dice.between(10.0, 150.0), 2) for n in (1, 2, 3, 5, 20)}
-    lines = ["G21 G90 F400"]
+    lines = ["G21 G90 G1 F400"]
     for _ in range(dice.whole(4, 12)):
-        n = dice.pick((*table, *table, 7))
-        lines.append(
-            dice.pick(
-                (
-                    f"T{n} M6", f"T{n} M6 G43", f"T{n}", "M6", f"G43 H{n}", "G43", "G49", "G43 H0", f"M6 T{n}",
-                    f"T{n} M6 G43 H{n}", f"G43 H{n} G0 Z10", "T0 M6", "G49 G0 Z5", "M61 Q2", f"G43.2 H{n}", "G20",
-                    "G43.1 Z5", "G21",
-                    *(straight(dice) for _ in range(10)),
-                )
-            )
+        n = dice.pick((*table, *table, *table, 7))
+        change = dice.pick((f"T{n} M6", f"T{n} M6", f"T{n} M6 G43", f"M6 T{n}", f"T{n} M6 G43 H{n}", "T0 M6"))
+        other = (
+            "", f"T{n}", f"G43 H{n}", "G43", "G49", "G43 H0", f"G43 H{n} G0 Z10", "G49 G0 Z5", f"G43.2 H{n}",
+            "G43.1 Z5", "M61 Q2" if dice.chance(0.2) else "G90",
         )  # fmt: skip
+        # The stand-alone peer takes its position behind a change back without the tool's length: say where Z is.
+        here = f"{change}\nG90 G0 Z{dice.whole(0, 20)}"
+        lines.append(dice.pick((here, dice.pick(other), dice.pick(other), straight(dice), straight(dice))))
     return text(lines), Control(tools=table, offsets={"G54": {"Z": dice.length()}}, home={"Z": 200.0})

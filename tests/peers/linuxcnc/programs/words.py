@@ -25,12 +25,14 @@ OPERATORS = (
     " OR ",
     " XOR ",
 )
+SAFE = tuple(operator for operator in OPERATORS if operator not in ("/", "**", " MOD "))
 
 
 def lexical(dice: Dice) -> tuple[str, Control]:
     """A program of moves or arcs written in a strange form; sometimes between signs %."""
     text, control = dice.pick((motion.moves, motion.circles, motion.tools))(dice)
     lines = [_written(dice, line) if dice.chance(0.8) else line for line in text.splitlines()]
+    lines[-1] = lines[-1].replace("/", "")  # an end that is passed over is none
     if dice.chance(0.2):
         lines = ["%", *lines[:-1], "%"]
     if dice.chance(0.1):
@@ -71,10 +73,11 @@ def expression(dice: Dice, depth: int, names: tuple[str, ...] = ("#1", "#2", "#3
     if kind < 5:
         parts = [expression(dice, depth - 1, names)]
         for _ in range(dice.whole(1, 3)):
-            parts += [dice.pick(OPERATORS), expression(dice, depth - 1, names)]
+            parts += [dice.pick(OPERATORS if dice.chance(0.2) else SAFE), expression(dice, depth - 1, names)]
         return "".join(parts)
     if kind < 7:
-        return f"{dice.pick(FUNCTIONS)}[{expression(dice, depth - 1, names)}]"
+        safe = ("ABS", "FIX", "FUP", "ROUND", "SIN", "COS", "TAN")
+        return f"{dice.pick(safe if dice.chance(0.8) else FUNCTIONS)}[{expression(dice, depth - 1, names)}]"
     if kind < 8:
         return f"ATAN[{expression(dice, depth - 1, names)}]/[{expression(dice, depth - 1, names)}]"
     return f"[{expression(dice, depth - 1, names)}]"
@@ -82,12 +85,12 @@ def expression(dice: Dice, depth: int, names: tuple[str, ...] = ("#1", "#2", "#3
 
 def _operand(dice: Dice, names: tuple[str, ...]) -> str:
     kind = dice.whole(0, 9)
-    if kind < 5:
+    if kind < 6:
         value = dice.pick((0, 1, 2, 3, 4, 5, 7, 10, 30, 45, 60, 90, 180, 0.5, 2.5, 1.0001, 0.99995, 0.3, -1, -2.5))
         return str(value)
-    if kind < 8:
+    if kind < 9:
         return dice.pick(names)
-    return dice.pick(("-#1", "+2", "EXISTS[#<size>]", "EXISTS[#<none>]", "#[1+1]", "##3", "-[2]", "--1", ".5", "5."))
+    return dice.pick(("-#1", "+2", "EXISTS[#<size>]", "EXISTS[#<none>]", "#[1+1]", "-[2]", "--1", ".5", "5."))
 
 
 def expressions(dice: Dice) -> tuple[str, Control]:
