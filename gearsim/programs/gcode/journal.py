@@ -21,6 +21,7 @@ class Journal:
         self.operations: list[str] = []
         self.ignored: dict[str, int] = {}
         self.assumed: dict[str, int] = {}
+        self.has_end = True
         self._comment = ""
         self._has_cut = False
 
@@ -61,7 +62,9 @@ class Journal:
             f"{code} (line {line} first): the control's smoothing of corners is not simulated"
             for code, line in self.ignored.items()
         )
-        return (*smoothed, *(f"{what} is assumed (line {line} first)" for what, line in self.assumed.items()))
+        assumed = (f"{what} is assumed (line {line} first)" for what, line in self.assumed.items())
+        cut_off = "the program is cut off: LinuxCNC expects M2, M30 or a second % at its end"
+        return (*smoothed, *assumed, *(() if self.has_end else (cut_off,)))
 
     def assume(self, what: str, block: Block) -> None:
         """The reading takes something for granted that nobody has stated."""

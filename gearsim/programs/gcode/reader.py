@@ -48,6 +48,7 @@ class Reader:
             raise
         if not self.interpreter.has_words:
             raise ProgramError(self.text.name, 1, 1, "", "the program is empty; expected at least one word")
+        self.journal.has_end = self.interpreter.ended or not self.interpreter.dialect.parameters
         return self.recorder.blocks(start), self.journal
 
     def _run(self) -> None:

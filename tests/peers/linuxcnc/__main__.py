@@ -26,10 +26,10 @@ def ask(peer: Peer, program: str, control: Control, calls: bool = False) -> answ
     return answers.Kept(answers.digest(program, control), bool(answer.error), moves)
 
 
-def count(kept: dict[str, answers.Kept], shown: int) -> None:
+def count(kept: dict[str, answers.Kept], shown: int, salt: str) -> None:
     """Print how the readers compare over all random programs."""
     found, alone, rest = Counter[tuple[str, str]](), Counter[str](), shown
-    for name, program, control in programs():
+    for name, program, control in programs(salt):
         verdict = judge(program, control, kept[name])
         found[name.split()[0], verdict.name] += 1
         if verdict.name == OURS_REFUSES:
@@ -53,20 +53,23 @@ def main() -> None:
     parser.add_argument("--calls", action="store_true", help="print the peer's canonical calls")
     parser.add_argument("--count", type=int, metavar="N", help="compare the random programs, show N differences")
     parser.add_argument("--ask", action="store_true", help="ask the peer all random programs and keep its answers")
+    parser.add_argument("--salt", default="", help="other random programs than those whose answers are kept")
     parser.add_argument("files", type=Path, nargs="*", help="programs to compare")
     given = parser.parse_args()
     tools = {int(number): length for number, length in given.control.pop("tools", {}).items()}
     control = Control(**given.control, tools=tools)
     with tempfile.TemporaryDirectory() as work:
-        peer = Peer(given.peer, Path(work)) if given.files or given.ask else None
+        peer = Peer(given.peer, Path(work)) if given.files or given.ask or given.salt else None
         for file in given.files if peer else []:
             program = file.read_bytes().decode("latin-1")
             verdict = judge(program, control, ask(peer, program, control, given.calls))
             print(f"{file}: {verdict.name} {verdict.detail}")
-        if given.ask and peer:
-            answers.save({name: ask(peer, program, told) for name, program, told in programs()})
+        if peer and (given.ask or given.salt):
+            kept = {name: ask(peer, program, told) for name, program, told in programs(given.salt)}
+    if given.ask and not given.salt:
+        answers.save(kept)
     if given.count is not None:
-        count(answers.load(), given.count)
+        count(kept if given.salt else answers.load(), given.count, given.salt)
 
 
 if __name__ == "__main__":

@@ -25,10 +25,10 @@ CLASSES: dict[str, tuple[int, Callable[[Dice], tuple[str, Control]]]] = {
 }
 
 
-def programs() -> list[tuple[str, str, Control]]:
-    """All programs: name, text, the control they run on."""
+def programs(salt: str = "") -> list[tuple[str, str, Control]]:
+    """All programs: name, text, the control they run on; another ``salt`` gives others."""
     found = [
-        (f"{name} {i}", *make(Dice(crc32(f"{name} {i}".encode()))))
+        (f"{name} {i}", *make(Dice(crc32(f"{name} {i}{salt}".encode()))))
         for name, (count, make) in CLASSES.items()
         for i in range(count)
     ]

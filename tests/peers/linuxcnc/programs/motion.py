@@ -161,12 +161,15 @@ def units(dice: Dice) -> tuple[str, Control]:
 
 
 def tools(dice: Dice) -> tuple[str, Control]:
-    """Tool changes and lengths; in one unit, for the stand-alone peer does not convert lengths in force."""
+    """Tool changes and lengths; in one unit and without T0.
+
+    The stand-alone peer does not convert lengths in force, and keeps the last tool as T0.
+    """
     table = {n: round(dice.between(10.0, 150.0), 2) for n in (1, 2, 3, 5, 20)}
     lines = ["G21 G90 G1 F400"]
     for _ in range(dice.whole(4, 12)):
-        n = dice.pick((*table, *table, *table, 7))
-        change = dice.pick((f"T{n} M6", f"T{n} M6", f"T{n} M6 G43", f"M6 T{n}", f"T{n} M6 G43 H{n}", "T0 M6"))
+        n = dice.pick((*table, *table, 7)) if dice.chance(0.3) else dice.pick((1, 2, 20))
+        change = dice.pick((f"T{n} M6", f"T{n} M6", f"T{n} M6 G43", f"M6 T{n}", f"T{n} M6 G43 H{n}"))
         other = (
             "", f"T{n}", f"G43 H{n}", "G43", "G49", "G43 H0", f"G43 H{n} G0 Z10", "G49 G0 Z5", f"G43.2 H{n}",
             "G43.1 Z5", "M61 Q2" if dice.chance(0.2) else "G90",
