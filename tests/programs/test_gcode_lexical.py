@@ -151,7 +151,7 @@ def test_calls_and_their_values():
 
 
 def test_marks_that_loops_leave():
-    """As linuxcnc-uspace 2.9 does (findings/linuxcnc-loops.sh)."""
+    """As linuxcnc-uspace 2.9 does (findings/linuxcnc_loops.sh)."""
     first = "#1=0 #2=0\no1 while [#2 LT 2]\n#2=[#2+1]\no2 if [#2 GT {n}]\no1 break\no2 endif\no1 endwhile\n"
     do = "o3 do\n#1=[#1+1]\nG0 X#1\no3 while [#1 LT 3]\n"
     assert x(first.format(n=0) + do) == [1.0]

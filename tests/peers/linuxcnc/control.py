@@ -12,6 +12,7 @@ AXES = "XYZABC"
 SYSTEMS = ("G54", "G55", "G56", "G57", "G58", "G59", "G59.1", "G59.2", "G59.3")
 
 INCH = 25.4
+NO_TOOLS = {999: 0.0}  # a table has at least one row
 
 Place = dict[str, float]
 
@@ -29,10 +30,11 @@ class Control:
         """The control as gearsim's reader wants it."""
         return ReadSettings(
             offsets={name: _angles(place) for name, place in self.offsets.items()},
-            tool_lengths=self.tools,
+            tool_lengths=self.tools or NO_TOOLS,
             home=_angles(self.home),
             start={},
             block_delete=self.block_delete,
+            block_limit=20_000,
         )
 
     def parameter_file(self) -> str:
@@ -49,8 +51,8 @@ class Control:
 
     def tool_table(self) -> str:
         """LinuxCNC's tool table; a pocket for every tool."""
-        rows = (f"T{number} P{number} Z{length / INCH:.14f} D0\n" for number, length in self.tools.items())
-        return "".join(rows) or "T999 P999 Z0 D0\n"
+        table = self.tools or NO_TOOLS
+        return "".join(f"T{number} P{number} Z{length / INCH:.14f} D0\n" for number, length in table.items())
 
 
 def _angles(place: Place) -> Place:

@@ -32,7 +32,8 @@ def lexical(dice: Dice) -> tuple[str, Control]:
     """A program of moves or arcs written in a strange form; sometimes between signs %."""
     text, control = dice.pick((motion.moves, motion.circles, motion.tools))(dice)
     lines = [_written(dice, line) if dice.chance(0.8) else line for line in text.splitlines()]
-    lines[-1] = lines[-1].replace("/", "")  # an end that is passed over is none
+    if not control.tools:  # Z behind a tool change and the end must not be passed over
+        lines[:-1] = [dice.pick(("/", " /", "/ ")) + line if dice.chance(0.1) else line for line in lines[:-1]]
     if dice.chance(0.2):
         lines = ["%", *lines[:-1], "%"]
     if dice.chance(0.1):
@@ -43,7 +44,7 @@ def lexical(dice: Dice) -> tuple[str, Control]:
 
 
 def _written(dice: Dice, line: str) -> str:
-    """The line with blanks, comments, cases, line numbers, a sign of block delete."""
+    """The line with blanks, comments, cases, line numbers."""
     out = []
     for char in line:
         if char.isalpha() and dice.chance(0.08):
@@ -60,8 +61,6 @@ def _written(dice: Dice, line: str) -> str:
         )
     if dice.chance(0.2):
         found = f"N{dice.whole(0, 9999)}{dice.pick((' ', '', '  '))}{found}"
-    if dice.chance(0.1):
-        found = dice.pick(("/", " /", "/ ")) + found
     return found
 
 
