@@ -180,4 +180,4 @@ def test_offsets_without_a_place_are_told():
         "G55 has no place in the settings, zero is assumed (line 2 first)",
         "G54.1 P3 has no place in the settings, zero is assumed (line 3 first)",
     )
-    assert read("G54 G0 X1").notes == ()
+    assert read("G54 G0 X1\nM2").notes == ()
