@@ -38,6 +38,7 @@ class Flow:
         self.structure = Structure(kept, self._width)
         self._returns: list[int] = []
         self._met: set[str] = set()
+        self._passed: set[tuple[int, int]] = set()
         self._rounds: dict[Group, int] = {}
         self._breaks = self._continues = False
         self._actions: dict[str, Callable[[int, OWord], int]] = {
@@ -68,6 +69,9 @@ class Flow:
 
     def _skip(self, at: int, to: int) -> int:
         """Pass over lines, which the control reads for their comments all the same."""
+        if (at, to) in self._passed:
+            return to
+        self._passed.add((at, to))
         for line in self.lines[at + 1 : to]:
             if squeezed(line, self._width).text == "%":
                 raise line.error(0, 1, "the program ends inside of what is passed over here")
