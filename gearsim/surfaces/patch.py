@@ -84,11 +84,10 @@ class ToothSurface(Patch, Protocol):
         ...
 
     def mean_profile(self, contact_height: float, offsets: NDArray) -> tuple[NDArray, NDArray, NDArray]:
-        """The flank's profile in the plane of its mean point, normal to the pitch cone's generator there.
+        """The flank's profile in the plane of the lengthwise curve's mean point M, normal to the generator there.
 
-        ``contact_height`` [mm] is the mean point's over the root at the mean cone distance; ``offsets`` [mm], shape
-        (n,), count from it along the pitch cone's normal. Returns u and v, shape (n,), and the plane's unit normal,
-        shape (3,).
+        Heights count from the root cone along the pitch cone's normal at M: ``contact_height`` [mm] and, from there on,
+        ``offsets`` [mm], shape (n,). Returns u and v, shape (n,), and the plane's unit normal, shape (3,).
         """
         ...
 

@@ -13,7 +13,8 @@ from numpy.typing import NDArray
 from gearsim.errors import InputError
 from gearsim.surfaces.blank import BevelBlank
 from gearsim.surfaces.generated import GeneratedJet, Sheet
-from gearsim.surfaces.patch import Part, Side, patch_name
+from gearsim.surfaces.lengthwise import mean_profile
+from gearsim.surfaces.patch import SIDES, Part, Side, patch_name
 
 _STEPS = 60
 _WALK = 12
@@ -135,33 +136,10 @@ class GeneratedPatch:
         """
         return self._solve(cone, above, by_height=True)
 
-    def seek(self, cone: NDArray, above: NDArray, near: tuple[NDArray, NDArray]) -> tuple[NDArray, NDArray]:
-        """As `meet`, from parameters ``near`` the points; nan where these lead to none."""
-        u, v, moved = self._settle(*near, cone, above, by_height=True, walk=1)
-        found = moved < _FOUND
-        return np.where(found, u, np.nan), np.where(found, v, np.nan)
-
-    def profile(self, cone: float, above: float, offsets: NDArray) -> tuple[NDArray, NDArray, NDArray]:
-        """The profile in the plane through one point, normal to the pitch cone's generator there.
-
-        The point is given by cone distance and height over the pitch cone [mm], points of the profile by
-        ``offsets`` [mm], shape (n,), from it along the cone's normal. Returns (u, v, the plane's normal).
-        """
-        u, v = (np.repeat(p, len(offsets)) for p in self.meet(np.array([cone]), np.array([above])))
-        middle = self.jet(u, v).r
-        generator, up = self.blank.cone_directions(middle)
-        for i in range(_STEPS):
-            at = self.jet(u, v)
-            e = -_dot(generator, at.r - middle)
-            f = min(1.0, (i + 1) / _WALK) * np.asarray(offsets) - _dot(up, at.r - middle)
-            du, dv = _solve2(generator, up, at, e, f)
-            u, v = u + du, v + dv
-        return u, v, generator[0]
-
     def mean_profile(self, contact_height: float, offsets: NDArray) -> tuple[NDArray, NDArray, NDArray]:
         """u, v and the plane's normal of the profile through the mean point: see `ToothSurface`."""
-        mean = self.blank.mean
-        return self.profile(mean, contact_height - float(self.blank.dedendum_at(mean)), offsets)
+        one, other = (self.tooth.flank(side) for side in SIDES)
+        return mean_profile((one, other), self, contact_height + np.asarray(offsets, dtype=float))
 
     def windows(self, u: NDArray, v: NDArray) -> tuple[NDArray, NDArray]:
         """Half the tooth's thickness and half the slot's width [mm] about points, shape (n,).

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
-from math import cos, sin, tan
+from math import tan
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,9 +12,10 @@ from numpy.typing import NDArray
 from gearsim.cutters.profile import Profile
 from gearsim.geometry import series
 from gearsim.geometry.pose import PoseSeries
-from gearsim.geometry.series import Series
 from gearsim.motion.sources import CLMotion, CurveMotion
+from gearsim.surfaces.lengthwise import lengthwise_curve, profile_points
 from gearsim.surfaces.patch import SIDES
+from gearsim.surfaces.ruled_bevel import Spine
 from gearsim.surfaces.slot_patch import GeneratedPatch
 from gearsim.toolpaths.tangent import check_mouth, cl_points, tangent_pose
 
@@ -25,11 +26,11 @@ _STATIONS = 65
 class GeneratedFlankPath:
     """The pass that finishes one generated flank from toe to heel, as `FlankPath` does the ruled one.
 
-    The flank has no rule: in its place stands the tangent of its profile, in the plane normal to the pitch
-    cone's generator through the contact point. The contact path lies at mid working depth, and the cutter's
-    flank begins ``start_height`` [mm] over the root cone, measured along that tangent: the height at which
-    the blade's edge radius ends (neither rule is given in the source; both follow 4.23-4.27). ``run`` [mm]
-    is how far the path goes on beyond toe and heel. The parameter is the contact's cone distance [mm].
+    The source plans it as the ruled tooth's (4.4.2): along the lengthwise curve, the axis in the profile plane of the
+    curve's point. The profile there has no straight line; its tangent at the contact path, which lies at mid working
+    depth (4.23), takes the rule's place. The cutter's flank begins ``start_height`` [mm] over the root, measured along
+    that tangent: the height at which the blade's edge radius ends (4.27). ``run`` [mm] is how far the path goes on
+    beyond toe and heel. The parameter is the cone distance [mm] of the lengthwise curve's point.
     """
 
     patch: GeneratedPatch
@@ -51,23 +52,28 @@ class GeneratedFlankPath:
         return cl_points(self.motion, self.patch.blank.toe, self.patch.blank.cone_distance, points)
 
     def contact_height(self, cone: NDArray | float) -> NDArray:
-        """Height [mm] of the contact path over the pitch cone: mid working depth (Zhou 4.23)."""
-        return np.asarray(self.patch.blank.mid_working_depth_at(cone)) - self.patch.blank.dedendum_at(cone)
+        """Profile height [mm] of the contact path over the root: mid working depth (Zhou 4.23)."""
+        return np.asarray(self.patch.blank.mid_working_depth_at(cone))
 
     def poses(self, cone: NDArray, order: int) -> PoseSeries:
-        """Tip and axis as series in the contact's cone distance [mm], shape (n,) (Zhou 4.24-4.27).
+        """Tip and axis as series in the cone distance [mm], shape (n,) (Zhou 4.24-4.27).
 
         nan where the flank, prolonged, does not reach that cone distance.
         """
-        blank = self.patch.blank
-        contact, normal = self._contact(np.asarray(cone, dtype=float), order)
-        generator, up = self._cone_frame(contact)
-        rule = series.unit(series.cross(generator, normal))
-        rise = series.dot(rule, up)
+        cone = np.asarray(cone, dtype=float)
+        spine = self.spine(cone, order)
+        height = spine.cone * self._slope + float(self.contact_height(0.0))
+        near = self._near(cone, len(SIDES))
+        _, _, contact, normal = profile_points(self.patch, spine, height, near)
+        rule = series.unit(series.cross(spine.x, normal))
+        rise = series.dot(rule, spine.z)
         sense = np.sign(rise.value)
-        depth = Series.variable(cone, order) * self._slope + float(blank.mid_working_depth_at(0.0))
-        distance = (depth - self.start_height) / (rise * sense)
+        distance = (height - self.start_height) / (rise * sense)
         return tangent_pose(self.cutter, contact, rule * sense[:, None], -normal, distance)
+
+    def spine(self, cone: NDArray, order: int) -> Spine:
+        """Profile frames of the slot at cone distances [mm], shape (n,), as series in them."""
+        return lengthwise_curve(self._walls, (self._near(cone, 0), self._near(cone, 1)), cone, order)
 
     def check_passage(self) -> None:
         """Raise InputError where the cutter would cut the next tooth's tip away (`check_mouth`)."""
@@ -78,60 +84,30 @@ class GeneratedFlankPath:
         half_land, half_mouth = self.patch.windows(*tips[SIDES.index(self.patch.side)][1])
         check_mouth(self.cutter, self.poses(cone, 0), mouth, cone, half_land, half_mouth)
 
+    @property
+    def _walls(self) -> tuple[GeneratedPatch, GeneratedPatch]:
+        one, other = (self.patch.tooth.flank(side) for side in SIDES)
+        return one, other
+
     @cached_property
-    def _track(self) -> NDArray:
-        """Cone distance [mm] and the flank's parameters along the contact path, shape (3, n).
+    def _track(self) -> tuple[NDArray, tuple[tuple[NDArray, NDArray], ...]]:
+        """Cone distances [mm], shape (n,), and parameters near there: of both walls on the pitch cone, of contacts.
 
         Raises InputError where the flank, prolonged, does not reach that far.
         """
         blank = self.patch.blank
         cone = np.linspace(blank.toe - self.run, blank.cone_distance + self.run, _STATIONS)
-        return np.stack([cone, *self.patch.meet(cone, self.contact_height(cone))])
+        above = self.contact_height(cone) - blank.dedendum_at(cone)
+        on_the_pitch_cone = [wall.meet(cone, np.zeros(_STATIONS)) for wall in self._walls]
+        return cone, (*on_the_pitch_cone, self.patch.meet(cone, above))
+
+    def _near(self, cone: NDArray, which: int) -> tuple[NDArray, NDArray]:
+        along, tracks = self._track
+        u, v = (np.interp(cone, along, track) for track in tracks[which])
+        return u, v
 
     @property
     def _slope(self) -> float:
         """Rise of the mid working depth along the cone."""
         blank = self.patch.blank
         return 0.5 * (tan(blank.face_angle - blank.pitch) + tan(blank.pitch - blank.root_angle))
-
-    def _contact(self, cone: NDArray, order: int) -> tuple[Series, Series]:
-        """The contact path and the flank's normal on it.
-
-        The surface's parameters become series: each step with the first derivatives at the point itself
-        makes one more order of cone distance and height come right.
-        """
-        blank, target = self.patch.blank, Series.variable(cone, order)
-        along, *track = self._track
-        near = (np.interp(cone, along, track[0]), np.interp(cone, along, track[1]))
-        u0, v0 = self.patch.seek(cone, self.contact_height(cone), near)
-        jet = self.patch.jet(u0, v0)
-        generator, up = blank.cone_directions(jet.r)
-        a, b, c, d = (np.sum(p * q, axis=1) for p in (generator, up) for q in (jet.ru, jet.rv))
-        height = target * (self._slope - tan(blank.pitch - blank.root_angle)) + float(self.contact_height(0.0))
-        nil = Series(np.zeros_like(target.c))
-        u, v = nil + u0, nil + v0
-        for _ in range(order + 1):
-            point, _ = self.patch.sheet.curve(u, v)
-            e, f = self._misses(point, target, height)
-            u = u + (e * d - f * b) / (a * d - b * c)
-            v = v + (f * a - e * c) / (a * d - b * c)
-        return self.patch.sheet.curve(u, v)
-
-    def _misses(self, point: Series, cone: Series, height: Series) -> tuple[Series, Series]:
-        """What cone distance and height of points lack."""
-        x, y, z = (Series(point.c[..., k]) for k in range(3))
-        radius, pitch = series.sqrt(x * x + y * y), self.patch.blank.pitch
-        return (
-            cone - (radius * sin(pitch) + z * cos(pitch)),
-            height - (radius * cos(pitch) - z * sin(pitch)),
-        )
-
-    def _cone_frame(self, point: Series) -> tuple[Series, Series]:
-        """The pitch cone's generator and its outward normal through points."""
-        x, y = Series(point.c[..., 0]), Series(point.c[..., 1])
-        radius, pitch = series.sqrt(x * x + y * y), self.patch.blank.pitch
-        c, s, nil = x / radius, y / radius, Series(np.zeros_like(x.c))
-        return (
-            series.stack([c * sin(pitch), s * sin(pitch), nil + cos(pitch)]),
-            series.stack([c * cos(pitch), s * cos(pitch), nil - sin(pitch)]),
-        )

@@ -215,17 +215,3 @@ def test_impossible_teeth_are_refused():
         wild.flank("concave").locate(*spread())
     with pytest.raises(InputError, match=r"never cuts the concave flank at the mean cone distance 68\.92 mm"):
         make_face_milled(replace(SETTINGS, radial_distance=200.0)).flank("concave").locate([0.5], [0.5])
-
-
-def test_the_profile_lies_in_the_plane_of_the_point(face_milled):
-    offsets = np.array([0.0, 0.5, -0.5, 3.0, -3.0])
-    for side in SIDES:
-        patch = face_milled.flank(side)
-        cone, above = face_milled.blank.mean, -1.2
-        u, v, across = patch.profile(cone, above, offsets)
-        r = patch.jet(u, v).r
-        around = np.array([-r[0, 1], r[0, 0], 0.0]) / np.hypot(*r[0, :2])
-        up = np.cross(across, around)
-        assert np.allclose(patch.blank.cone_height(r[0]), (cone, above))
-        assert np.allclose((r - r[0]) @ across, 0.0, atol=1e-11)
-        assert np.allclose((r - r[0]) @ up * np.sign(up @ [r[0, 0], r[0, 1], 0.0]), offsets, atol=1e-11)

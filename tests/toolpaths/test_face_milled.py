@@ -4,6 +4,7 @@ from math import cos, radians, sin
 
 import numpy as np
 import pytest
+from scipy.optimize import fsolve
 
 from gearsim.cutters.catalogue import conical
 from gearsim.errors import InputError
@@ -26,35 +27,54 @@ def path(request, published_cutter):
     return make_path(side, published_cutter, kind != "formate", ROLL if kind == "modified roll" else ())
 
 
-def contact(path):
-    return path.patch.jet(*path.patch.meet(CONE, path.contact_height(CONE)))
+def profile_frames(path):
+    """Middle of the slot on the pitch cone at CONE, the generator through it, the pitch cone's normal there."""
+    blank = path.patch.blank
+    walls = [wall.jet(*wall.meet(CONE, 0.0 * CONE)).r for wall in map(path.patch.tooth.flank, SIDES)]
+    middle = sum(r[:, :2] / np.linalg.norm(r[:, :2], axis=1)[:, None] for r in walls)
+    middle /= np.linalg.norm(middle, axis=1)[:, None]
+    generator = np.column_stack([middle * sin(blank.pitch), np.full(len(CONE), cos(blank.pitch))])
+    up = np.column_stack([middle * cos(blank.pitch), np.full(len(CONE), -sin(blank.pitch))])
+    return generator * CONE[:, None], generator, up
+
+
+def touched(path):
+    """The flank at mid working depth over the root, in the profile planes: MINPACK, which knows no series."""
+    origin, generator, up = profile_frames(path)
+    blank = path.patch.blank
+    mid = 0.5 * (blank.whole_depth_at(CONE) + blank.clearance) - blank.dedendum_at(CONE)
+
+    def misses(at):
+        off = path.patch.jet(*at.reshape(2, -1)).r - origin
+        return np.concatenate([dot(off, generator), dot(off, up) - mid])
+
+    start = np.concatenate(path.patch.meet(CONE, mid))
+    return path.patch.jet(*fsolve(misses, start, xtol=1e-13).reshape(2, -1))
+
+
+def dot(a, b):
+    return np.sum(a * b, axis=1)
 
 
 def test_the_cutter_touches_the_tooth_at_mid_working_depth(path):
-    """Point and normal coincide; the axis leans by the taper, in the plane of normal and profile tangent."""
-    jet, pose = contact(path), path.poses(CONE, 0)
+    """Point and normal coincide; the axis leans by the taper, in the profile plane of the lengthwise curve's point."""
+    pose, (_, generator, up) = path.poses(CONE, 0), profile_frames(path)
+    jet = touched(path)
     q = jet.r - pose.tip.value
-    z = np.sum(q * pose.axis.value, axis=1)
+    z = dot(q, pose.axis.value)
     w = q - z[:, None] * pose.axis.value
     r = np.linalg.norm(w, axis=1)
     distance, nr, nz = path.cutter.distance_gradient(r, z)
-    assert np.allclose(distance, 0.0, atol=1e-11)
-    assert np.allclose(nr[:, None] * w / r[:, None] + nz[:, None] * pose.axis.value, -jet.normal, atol=1e-11)
-    assert np.allclose(np.sum(pose.axis.value * jet.normal, axis=1), sin(radians(15.0)))
-    around = np.column_stack([-jet.r[:, 1], jet.r[:, 0], 0.0 * r]) / np.hypot(*jet.r[:, :2].T)[:, None]
-    blank = path.patch.blank
-    up = np.cross(around, np.array([0.0, 0.0, 1.0])) * cos(blank.pitch) + [0.0, 0.0, -sin(blank.pitch)]
-    generator = np.cross(up, around)
-    rule = pose.axis.value - np.sum(pose.axis.value * jet.normal, axis=1)[:, None] * jet.normal
+    assert np.allclose(distance, 0.0, atol=1e-10)
+    assert np.allclose(nr[:, None] * w / r[:, None] + nz[:, None] * pose.axis.value, -jet.normal, atol=1e-10)
+    assert np.allclose(dot(pose.axis.value, jet.normal), sin(radians(15.0)), atol=1e-10)
+    rule = pose.axis.value - dot(pose.axis.value, jet.normal)[:, None] * jet.normal
     rule /= np.linalg.norm(rule, axis=1)[:, None]
-    assert np.allclose(np.sum(rule * generator, axis=1), 0.0, atol=1e-11)
-    assert np.all(np.sum(rule * up, axis=1) > 0.8)
-    below = (
-        jet.r
-        - rule * ((path.contact_height(CONE) + blank.dedendum_at(CONE) - START) / np.sum(rule * up, axis=1))[:, None]
-    )
+    assert np.allclose(dot(rule, generator), 0.0, atol=1e-10)
+    assert np.all(dot(rule, up) > 0.8)
+    below = jet.r - rule * ((path.contact_height(CONE) - START) / dot(rule, up))[:, None]
     q = below - pose.tip.value
-    assert np.allclose(np.sum(q * pose.axis.value, axis=1), path.cutter.elements[path.cutter.flank].start[1])
+    assert np.allclose(dot(q, pose.axis.value), path.cutter.elements[path.cutter.flank].start[1], atol=1e-10)
 
 
 def test_all_derivatives_are_those_of_the_path(path):

@@ -28,23 +28,38 @@ def result():
     return run(SCENE, overrides=SMALL)
 
 
+def mean_point(tooth):
+    """M: the middle between both walls on the pitch cone at the mean cone distance, by MINPACK."""
+    blank, found = tooth.blank, []
+    for wall in (tooth.flank(side) for side in SIDES):
+        start = np.concatenate(wall.meet(np.array([blank.mean]), np.array([-1.0])))
+
+        def misses(at, wall=wall):
+            cone, above = blank.cone_height(wall.jet(*at[:, None]).r[0])
+            return [cone - blank.mean, above]
+
+        found.append(wall.jet(*fsolve(misses, start, xtol=1e-12)[:, None]).r[0])
+    turns = [np.arctan2(r[1], r[0]) for r in found]
+    radius, z = blank.axial(np.array([blank.mean]), np.array([0.0]))
+    middle = 0.5 * (turns[0] + turns[1])
+    return np.array([radius[0] * np.cos(middle), radius[0] * np.sin(middle), z[0]])
+
+
 def section_points(patch, offsets):
-    """L0 to L6 and the plane's normal: MINPACK from point to point in the plane through the mean point, from L0 out."""
-    blank = patch.blank
+    """L0 to L6 and the normal of their plane, through M and normal to O_gM (figure 4.15), by MINPACK, point to point."""
+    blank, mean = patch.blank, mean_point(patch.tooth)
     above = 0.5 * (blank.addendum_at(blank.mean) - blank.dedendum_at(blank.mean) + blank.clearance)
-    start = np.concatenate(patch.meet(np.array([blank.mean]), np.array([above])))
-    mean = patch.jet(*start[:, None]).r[0]
     across, up = blank.cone_directions(mean)
 
-    def misses(at, offset):
+    def misses(at, height):
         r = patch.jet(*at[:, None]).r[0] - mean
-        return [r @ across, r @ up - offset]
+        return [r @ across, r @ up - height]
 
     found = {}
     for sign in (1.0, -1.0):
-        at = start
+        at = np.concatenate(patch.meet(np.array([blank.mean]), np.array([above])))
         for offset in sign * np.arange(0.0, 3.25, 0.25):
-            at = found[offset] = fsolve(misses, at, (offset,), xtol=1e-11)
+            at = found[offset] = fsolve(misses, at, (above + offset,), xtol=1e-11)
     return patch.jet(*np.array([found[o] for o in offsets]).T), across
 
 
