@@ -16,6 +16,7 @@ from gearsim.programs.cldata import RAPID, CLPath, CLProgram, assemble, check_cu
 from gearsim.scene import FlankMillingScene
 from gearsim.scene.program import ProgramTable
 from gearsim.surfaces.patch import SIDES, Side, Tooth
+from gearsim.toolpaths.links import clear_rapids
 from gearsim.toolpaths.tangent import FlankPass
 
 
@@ -97,7 +98,7 @@ def plan(scene: FlankMillingScene, folder: Path) -> Job:
         notes += _posting_notes(program, scene.program)
     else:
         planners = scene.planners()
-        text = _planned_program(planners, cutter, scene)
+        text = _planned_program(planners, cutter, tooth, scene)
         program = parse_cl(text, "planned CL data")
     sources = [CLMotion(p.tips, p.axes) for p in program.paths]
     theory_motions = {side: planner.motion for side, planner in planners.items()}
@@ -112,8 +113,10 @@ def plan(scene: FlankMillingScene, folder: Path) -> Job:
     return Job(scene, tooth, cutter, text, nc_text, names, tuple(sources), tuple(tables), planners, theory, notes)
 
 
-def _planned_program(planners: dict[Side, FlankPass], cutter: Profile, scene: FlankMillingScene) -> str:
-    """Our own CL program as text; what is simulated is read back from it."""
+def _planned_program(
+    planners: dict[Side, FlankPass], cutter: Profile, tooth: Tooth, scene: FlankMillingScene
+) -> str:  # fmt: skip
+    """Our own CL program as text, its rapids clear of the blank; what is simulated is read back from it."""
     table = scene.toolpath
     passes = []
     for side, planner in planners.items():
@@ -121,6 +124,7 @@ def _planned_program(planners: dict[Side, FlankPass], cutter: Profile, scene: Fl
         motion = planner.cl_motion(table.points)
         passes.append(CLPath(side, motion.tips, motion.axes))
     program = assemble(passes, table.retract_mm, cutter)
+    program = clear_rapids(program, cutter, tooth.blank.stock, table.retract_mm)
     return format_cl(program, scene.name, table.feed_mm_min, table.decimals)
 
 

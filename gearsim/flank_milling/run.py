@@ -6,6 +6,7 @@ import numpy as np
 
 from gearsim.errors import Status
 from gearsim.flank_milling.job import Job
+from gearsim.geometry.rays import join_rays
 from gearsim.metrology.bevel import (
     Convergence,
     FlankMotion,
@@ -19,6 +20,7 @@ from gearsim.metrology.bevel import (
 from gearsim.metrology.dexel_check import DexelResult, measure_dexels, slot_box
 from gearsim.metrology.findings import Finding, flank_findings, rapid_findings, root_findings
 from gearsim.metrology.machine import MachineFor, MeasuringMachine
+from gearsim.metrology.rapid_check import blank_rays, rapid_touch
 from gearsim.metrology.roads import LIMIT_UM, RoadGap
 from gearsim.metrology.samples import SampleGrid, sample_grid
 from gearsim.metrology.verdict import no_witness, not_compared, untouched
@@ -26,6 +28,7 @@ from gearsim.motion.segments import join
 from gearsim.programs.cldata import RAPID
 from gearsim.result import GEAR_FRAME, FlankMillingResult, Verdict, versions
 from gearsim.scene import scene_table
+from gearsim.simulation.dexels import DexelBox
 from gearsim.surfaces.patch import SIDES, Side
 
 
@@ -40,11 +43,10 @@ def measure(job: Job, machine_for: MachineFor, device: str) -> FlankMillingResul
     box = slot_box(job.tooth.patches, blank, job.scene.simulation.dexel_pitch_mm)
     grids = [flank.grid for flank in flanks.values()]
     dexels = measure_dexels(lambda rays: machine.removed(rays, job.program), box, blank.stock, grids)
-    rapid = np.array([name == RAPID for name in job.path_names])[job.program.path]
     findings: list[Finding] = []
     for flank in flanks.values():
         findings += flank_findings(flank, metrology.tolerance_um)
-    findings += rapid_findings(dexels, grids[0], rapid)
+    findings += _rapids(job, machine, box)
     findings += root_findings(list(root.values()), metrology.root_tolerance_um)
     verdict, status = _verdict(flanks, root, dexels, findings)
     return FlankMillingResult(
@@ -73,6 +75,18 @@ def measure(job: Job, machine_for: MachineFor, device: str) -> FlankMillingResul
         versions=versions(),
         frame=GEAR_FRAME,
     )
+
+
+def _rapids(job: Job, machine: MeasuringMachine, box: DexelBox) -> list[Finding]:
+    """The first rapid move that touches material, seen by rays through the whole blank and closer ones at the slot."""
+    blank, program = job.tooth.blank, job.program
+    rapid = np.array([name == RAPID for name in job.path_names])
+    rays = join_rays([blank_rays(blank.stock), *(box.rays(axis) for axis in range(3))])
+    touch = rapid_touch(
+        blank.stock, rays, rapid, lambda some, chosen: machine.removed(some, program.part(chosen[program.path]))
+    )  # fmt: skip
+    number = 0 if touch is None else int(rapid[: touch.step + 1].sum())
+    return rapid_findings(touch, blank, f"rapid move {number} of the CL data")
 
 
 def _measure_side(job: Job, machine: MeasuringMachine, side: Side) -> FlankResult:

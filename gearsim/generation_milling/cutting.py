@@ -18,7 +18,7 @@ from gearsim.motion.segments import SegmentTable, compile_motion
 from gearsim.motion.sources import MotionSource, MovedMotion
 from gearsim.programs.blocks import Blocks
 from gearsim.programs.operation import Tool
-from gearsim.simulation.intervals import IntervalSet, unite
+from gearsim.simulation.intervals import IntervalSet, nothing, unite
 
 
 @dataclass(frozen=True)
@@ -66,6 +66,15 @@ class ProgramCut:
             part = machine.removed(rays, motion.table)
             parts.append(_numbered(part, motion.first_row))
         return unite(parts)
+
+    def removed_by(self, rays: RayBundle, chosen: NDArray[np.bool_]) -> IntervalSet:
+        """What the chosen blocks, shape (n,) of the program, remove from rays; segments are not numbered."""
+        parts = [
+            self.machine_for(motion.cutter).removed(rays, motion.part(chosen))
+            for motion in self.motions
+            if chosen[motion.blocks].any()
+        ]
+        return unite(parts) if parts else nothing(len(rays))
 
     @property
     def blocks(self) -> NDArray[np.integer]:

@@ -10,10 +10,14 @@ import numpy as np
 from gearsim.generation_milling.cutting import ProgramCut
 from gearsim.generation_milling.flank_map import LAST, WHOLE
 from gearsim.generation_milling.job import GearJob
+from gearsim.generation_milling.stock import gear_stock
+from gearsim.geometry.rays import join_rays
 from gearsim.metrology.dexel_check import DexelResult
 from gearsim.metrology.findings import Finding, rapid_findings, surface_findings
 from gearsim.metrology.gear_inspection import GearInspection
+from gearsim.metrology.rapid_check import blank_rays, rapid_touch
 from gearsim.metrology.surface import SurfaceResult
+from gearsim.simulation.dexels import DexelBox
 from gearsim.surfaces.cylindrical_gear import SIDES, Side
 from gearsim.surfaces.involute import InvoluteFlank
 from gearsim.surfaces.tool_access import tool_reach
@@ -31,11 +35,19 @@ def gear_findings(
     for side, surface in maps.items():
         found += surface_findings(surface, (WHOLE,), job.scene.metrology.tolerance_um)
         found += _cross_cut(side, surface)
-    rapid = job.program.blocks.rapid[cut.blocks]
-    found += rapid_findings(dexels, maps["left"].grid, rapid)
+    found += _rapids(job, cut, dexels.box)
     for side in SIDES:
         found += _not_reached(job, side)
     return found + _left_in_space(job, dexels)
+
+
+def _rapids(job: GearJob, cut: ProgramCut, box: DexelBox) -> list[Finding]:
+    """The first rapid block that touches material, seen by rays through the whole blank and closer ones at space 0."""
+    blocks, stock = job.program.blocks, gear_stock(job.gear, job.scene.surface.rim_mm)
+    rays = join_rays([blank_rays(stock), *(box.rays(axis) for axis in range(3))])
+    touch = rapid_touch(stock, rays, blocks.rapid, cut.removed_by)
+    line = 0 if touch is None else int(blocks.line[touch.step])
+    return rapid_findings(touch, None, f"the rapid move of line {line}")
 
 
 def _class(job: GearJob, inspection: GearInspection) -> list[Finding]:

@@ -24,6 +24,16 @@ class Turned:
                 inside ^= crosses & (radius < r0 + (z - z0) * (r1 - r0) / (z1 - z0))
         return inside
 
+    def signed_distance(self, points: NDArray) -> NDArray:
+        """Distance [mm] of points, shape (..., 3), from the solid's surface, negative inside."""
+        at = np.stack([np.hypot(points[..., 0], points[..., 1]), points[..., 2]], axis=-1)
+        nearest = np.full(at.shape[:-1], np.inf)
+        for start, end in self._edges():
+            way, off = end - start, at - start
+            share = np.clip(off @ way / (way @ way), 0.0, 1.0)
+            nearest = np.minimum(nearest, np.linalg.norm(off - share[..., None] * way, axis=-1))
+        return np.where(self.contains(points), -nearest, nearest)
+
     def chords(self, origins: NDArray, directions: NDArray) -> tuple[NDArray, NDArray, NDArray]:
         """Where rays run inside the solid.
 

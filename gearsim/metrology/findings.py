@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from gearsim.metrology.bevel import FlankResult, PatchResult
 from gearsim.metrology.deviation import Crossing, Deviation
-from gearsim.metrology.dexel_check import DexelResult
+from gearsim.metrology.rapid_check import RapidTouch
 from gearsim.metrology.samples import SampleGrid
 from gearsim.metrology.surface import SurfaceResult
 from gearsim.surfaces.blank import BevelBlank
@@ -48,18 +48,12 @@ def flank_findings(flank: FlankResult, tolerance_um: float) -> list[Finding]:
     return found + _out_of_tolerance(flank.grid, flank.all_passes, tolerance_um, what)
 
 
-def rapid_findings(dexels: DexelResult, grid: SampleGrid, rapid: NDArray) -> list[Finding]:
-    """The first place where the slot's dexels were cut by a rapid move.
-
-    ``rapid`` says of every segment of the program whether it is one; ``grid`` lends its tooth.
-    """
-    for bundle in dexels.bundles:
-        points, segment = bundle.cut_points()
-        hit = np.flatnonzero(rapid[segment])
-        if len(hit):
-            text = f"rapid moves cut the blank ({len(hit)} dexel ends)"
-            return [_place("rapid_cut", "blank", grid.patch.blank, points[hit[0]], None, True, text)]
-    return []
+def rapid_findings(touch: RapidTouch | None, blank: BevelBlank | None, name: str) -> list[Finding]:
+    """The first place where a rapid move, called ``name``, touches material: it fails, whatever the depth."""
+    if touch is None:
+        return []
+    text = f"{name} touches material: it cuts {touch.rays} rays that look at the blank"
+    return [_place("rapid_cut", "blank", blank, touch.place, None, True, text)]
 
 
 def root_findings(patches: Sequence[PatchResult], tolerance_um: float) -> list[Finding]:

@@ -37,6 +37,12 @@ class IntervalSet:
         )  # fmt: skip
 
 
+def nothing(rays: int) -> IntervalSet:
+    """No interval on any of some rays."""
+    none = np.empty(0)
+    return IntervalSet(np.zeros(rays + 1, dtype=int), none, none, none.astype(int), none.astype(int))
+
+
 def concatenate(sets: Sequence[IntervalSet]) -> IntervalSet:
     """The rays of several sets, one after the other."""
     offsets = np.cumsum([0] + [len(s.lo) for s in sets])

@@ -43,12 +43,18 @@ def reachable_roll(gear: CylindricalGear, side: Side, tool_radius: float, z: flo
 def largest_tool_diameter(gear: CylindricalGear) -> float:
     """The end mill [mm] that touches both flanks of a space just as it generates them where the involute ends.
 
-    Its centre then lies in the space's middle: tan(xi + s eta_b) = xi + s N / R_b, with N = r / cos(beta_b) and xi
-    at the root form circle (Groover's MATLAB program takes the tooth's width at the tip). A helical space takes
-    less, by the lean that `reachable_roll` counts.
+    That is at the root form circle (Groover's MATLAB program takes the tooth's width at the tip).
     """
-    xi = gear.root_roll
-    offset = gear.sign * gear.base_radius * (tan(xi + gear.sign * gear.space_half_angle) - xi)
+    return tool_diameter_at(gear, gear.root_roll)
+
+
+def tool_diameter_at(gear: CylindricalGear, roll: float) -> float:
+    """The end mill [mm] that touches both flanks of a space just as it generates them at a roll [rad].
+
+    Its centre then lies in the space's middle: tan(xi + s eta_b) = xi + s N / R_b, with N = r / cos(beta_b). A
+    helical space takes less, by the lean that `reachable_roll` counts.
+    """
+    offset = gear.sign * gear.base_radius * (tan(roll + gear.sign * gear.space_half_angle) - roll)
     return 2.0 * offset * cos(gear.base_helix_angle)
 
 

@@ -172,8 +172,8 @@ def test_a_program_of_the_users_own_is_cut_instead(tmp_path):
 
 def test_a_tool_too_thick_is_refused():
     scene, folder = load_scene("spur-external", FEW)
-    thick = scene.tools[0].model_copy(update={"diameter_mm": 12.0})
-    with pytest.raises(InputError, match="tool of 12 mm"):
+    thick = scene.tools[0].model_copy(update={"diameter_mm": 16.0})
+    with pytest.raises(InputError, match="tool of 16 mm"):
         plan(scene.model_copy(update={"tools": (thick,)}), folder)
 
 

@@ -46,7 +46,7 @@ def mean_point(tooth):
 
 
 def section_points(patch, offsets):
-    """L0 to L6 and the normal of their plane, through M and normal to O_gM (figure 4.15), by MINPACK, point to point."""
+    """L0 to L6 and the normal of their plane, through M and normal to O_gM (figure 4.15), by MINPACK, step by step."""
     blank, mean = patch.blank, mean_point(patch.tooth)
     above = 0.5 * (blank.addendum_at(blank.mean) - blank.dedendum_at(blank.mean) + blank.clearance)
     across, up = blank.cone_directions(mean)

@@ -13,9 +13,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from gearsim.errors import InputError
-from gearsim.geometry.involute import roll_inv
 from gearsim.surfaces.cylindrical_gear import CylindricalGear, Side, flank_sign
-from gearsim.surfaces.tool_access import reachable_roll
+from gearsim.surfaces.tool_access import reachable_roll, tool_diameter_at
 from gearsim.toolpaths.cylindrical.steps import descent
 
 TIP_CLEARANCE_MM = 0.5  # between tool and tip cylinder where a pass begins or ends in the open
@@ -87,12 +86,14 @@ def stock_layers(gear: CylindricalGear, tool_radius: float, stock: float, step: 
 
     Steps count from the last layer (the thesis's program; 3.9 counts from the first). In the first one the tools of
     both flanks meet in the space's middle at the tip (at the base circle, if that is nearer the root), so that no
-    web is left; where it is larger, that is the thesis's maximum 3.16 for an external gear, R_b cos(beta_b) inv(tip).
+    web is left; where it is larger, that is for an external gear what the space is wider at the tip than where the
+    involute ends at the root: the thesis's maximum 3.16, R_b cos(beta_b) inv(tip), where that is the base circle.
     """
-    half = gear.base_radius * cos(gear.base_helix_angle) * _half_mouth(gear)
-    first = half - 2.0 * tool_radius
+    scale = gear.base_radius * cos(gear.base_helix_angle)
+    mouth, bottom = (float(gear.half_space(r)) for r in (gear.tip_form_radius, gear.root_form_radius))
+    first = scale * mouth - 2.0 * tool_radius
     if not gear.is_internal:
-        first = max(first, half - gear.base_radius * cos(gear.base_helix_angle) * gear.space_half_angle)
+        first = max(first, scale * (mouth - bottom))
     layers = np.arange(stock, max(first, stock) + 1e-9, step)
     if first - layers[-1] > 1e-6:
         layers = np.append(layers, first)
@@ -104,16 +105,10 @@ def check_tool(gear: CylindricalGear, tool_radius: float) -> None:
     for side in ("left", "right"):
         low, _ = reached_range(gear, side, np.array([0.0]), tool_radius, gear.facewidth / 100.0)
         if np.isnan(low[0]):
-            width = 2.0 * gear.base_radius * cos(gear.base_helix_angle) * tan(gear.space_half_angle)
             raise InputError(
                 f"tool of {2.0 * tool_radius:g} mm cannot enter the spaces: it reaches no part of the {side} flank; "
-                f"at the base circle a space is {width:.4g} mm wide"
+                f"where a tool generates the flank's tip a space is {tool_diameter_at(gear, gear.tip_roll):.4g} mm wide"
             )
-
-
-def _half_mouth(gear: CylindricalGear) -> float:
-    """Half a space's angle at the tip circle, or at the base circle where the tip lies inside it."""
-    return gear.space_half_angle + gear.sign * float(roll_inv(gear.tip_roll))
 
 
 def _centre_roll(gear: CylindricalGear, radius: float, offset: float) -> float:

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from math import ceil, cos, tan
+from math import ceil, cos, sin, tan
 
 import numpy as np
 
 from gearsim.errors import InputError
+from gearsim.geometry.involute import roll_inv
 from gearsim.surfaces.cylindrical_gear import CylindricalGear
 from gearsim.toolpaths.cylindrical.limits import overrun, transverse
 from gearsim.toolpaths.cylindrical.settings import Clearance
@@ -39,19 +40,34 @@ def visit(
     """Both passes of one layer at one height: down, in, right flank, across, left flank, out, up.
 
     Down-milling with the spindle clockwise (M03): right flanks from tip to root, left flanks from root to tip, on
-    external and internal gears (figures 3.2, 3.3). Rapids run above the top face or clear of the tip cylinder.
+    external and internal gears (figures 3.2, 3.3). Rapids run above the top face or clear of the tip cylinder; the end
+    of a leaning tool hangs below its tip.
     """
-    rim = safe_radius(gear, tool_radius, clearance)
-    room = gear.base_radius * cos(gear.base_helix_angle) * gear.space_half_angle - tool_radius - stock
-    lift = min(_LIFT_MM, max(room, 0.0)) if gear.is_internal else 0.0
-    entry, leave = _lifted(right, 0, lift, 1.0), _lifted(left, -1, lift, -1.0)
-    down = np.concatenate([moved_out(entry.tip[0], rim, clearance.top), moved_out(entry.tip[0], rim)])
-    up = np.concatenate([moved_out(leave.tip[0], rim), moved_out(leave.tip[0], rim, clearance.top)])
+    rim, top = safe_radius(gear, tool_radius, clearance), clearance.top + tool_radius * abs(sin(gear.base_helix_angle))
+    entry, leave = (
+        _lifted(flank, i, _lift(gear, flank, i, tool_radius + stock) if gear.is_internal else 0.0, f)
+        for flank, i, f in ((right, 0, 1.0), (left, -1, -1.0))
+    )
+    down = np.concatenate([moved_out(entry.tip[0], rim, top), moved_out(entry.tip[0], rim)])
+    up = np.concatenate([moved_out(leave.tip[0], rim), moved_out(leave.tip[0], rim, top)])
     away, back = track(entry.heading[0], down, rapid=True), track(leave.heading[0], up, rapid=True)
     if gear.is_internal:
         away = join(away, entry)
         back = join(leave, replace(back, rapid=np.array([False, True])))
     return join(away, right, _around(gear.sign, right, left), left, back)
+
+
+def _lift(gear: CylindricalGear, flank: Track, station: int, distance: float) -> float:
+    """How far [mm] a tool whose axis stands a ``distance`` [mm] off its flank may move towards the middle of the space.
+
+    The distances of a point of the axis from both flanks add up to 2 R_b cos(beta_b) (eta_b + s inv), inv of its own
+    radius: that of the tool's end, or that at the top face if the axis leans outward.
+    """
+    tip = flank.tip[station]
+    along = abs(float(tip @ across(float(flank.heading[station])))) + abs(tip[2] * tan(gear.base_helix_angle))
+    half = gear.space_half_angle + gear.sign * float(roll_inv(along / gear.base_radius))
+    room = gear.base_radius * cos(gear.base_helix_angle) * half - distance
+    return min(_LIFT_MM, max(room, 0.0))
 
 
 def _lifted(flank: Track, station: int, lift: float, f: float) -> Track:

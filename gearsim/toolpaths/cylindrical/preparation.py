@@ -106,7 +106,10 @@ def reference_ring(machine: Machine, settings: ReferenceRing) -> Operation:
             turn += 2.0 * pi + _OVERLAP_RAD
             moves.append(Move(ring, z, turn=turn))
         above = z
-    moves.append(Move(rings[-1], settings.clearance.top, turn=turn, rapid=True))
+    moves += [
+        Move(rings[-1], 0.0, turn=turn),  # the tool slides along the groove's walls
+        Move(rings[-1], settings.clearance.top, turn=turn, rapid=True),
+    ]
     return _operation(machine, "reference ring", cutting, moves)
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from math import asin, pi
+from math import atan, pi
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,22 +13,26 @@ from gearsim.machines.chain import Machine
 from gearsim.programs.operation import Operation
 from gearsim.surfaces.cylindrical_gear import CylindricalGear
 from gearsim.toolpaths.cylindrical.axes import GearTable
+from gearsim.toolpaths.cylindrical.limits import transverse
 from gearsim.toolpaths.cylindrical.order import every_space
 from gearsim.toolpaths.cylindrical.settings import Slotting
 from gearsim.toolpaths.cylindrical.steps import parts
 from gearsim.toolpaths.cylindrical.track import Track, join, moved_out, polar, track
 
 SLOTTING = Slotting()
+_EXACT_MM = 1e-9
 _CLEAR_MM = 1.0  # between the tool's flutes and a face where it turns round
 
 
 def slot_spaces(gear: CylindricalGear, machine: Machine, settings: Slotting = SLOTTING) -> Operation:
-    """Slots with radial walls down to the root circle, from the tip inward and from the middle to the walls.
+    """Slots with radial walls from the tip inward and from the middle to the walls, as deep as the tool finds room.
 
-    The last walls stand at eta_b - stock / R_b from the middle (at eta_b, as the thesis has them, they touch the
-    finished flank at the base circle). On helical gears the flutes farther out, where the helix is steeper, bite
-    r (1 - cos(its change)) deeper: 1.3 um on the thesis's gear. Down-milling, from the top face: the left wall
-    downward, the right one upward. Radii at which the tool is wider than the slot are left to the generating passes.
+    The room is that of the space where the tool's end is: it narrows to the root or, where that lies inside it, to the
+    base circle, under which walls go on radially. The last walls stand there, the stock off the flanks (the thesis has
+    eta_b; on the finished flank at the base circle, which lies inside the root of 42 teeth and more). On helical gears
+    the flutes farther out, where the helix is steeper, bite r (1 - cos(its change)) deeper: 1.3 um on the thesis's
+    gear. Down-milling, from the top face: the left wall downward, the right one upward. Radii at which the tool is
+    wider than the slot are left to the generating passes.
 
     Raises InputError for internal gears, a tool wider than the slot at the tip or shorter than the tooth, and
     unsuited machines.
@@ -36,16 +40,17 @@ def slot_spaces(gear: CylindricalGear, machine: Machine, settings: Slotting = SL
     if gear.is_internal:
         raise InputError("radial slots need an external gear: an internal gear's tool cannot stand radially in it")
     cutting = settings.cutting
-    cutting.check_depth("slots, tooth depth", gear.tip_radius - gear.root_radius)
-    wall = gear.space_half_angle - settings.stock / gear.base_radius
     depth = gear.tip_radius - gear.root_radius
+    cutting.check_depth("slots, tooth depth", depth)
     radii = np.linspace(gear.tip_radius, gear.root_radius, parts(depth, settings.radial_step) + 1)[1:]
-    open_ = radii[radii * np.sin(wall) > cutting.radius] if wall > 0.0 else radii[:0]
+    open_ = radii[_half_width(gear, radii, settings.stock) >= cutting.radius - _EXACT_MM]
     if not len(open_):
+        width = 2.0 * float(_half_width(gear, np.array([gear.tip_radius]), settings.stock)[0])
         raise InputError(
             f"slots: the tool of {cutting.tool.diameter:g} mm is wider than the slot, "
-            f"{2.0 * gear.tip_radius * np.sin(wall):.4g} mm between its walls at the tip circle"
+            f"{max(width, 0.0):.4g} mm between its walls at the tip circle"
         )
+    wall = float(_wall_angle(gear, open_[-1:], settings.stock)[0])
     step = settings.radial_immersion * cutting.tool.diameter
     space = join(*(_cut(gear, radius, wall, step, cutting.radius) for radius in open_))
     rim = gear.tip_radius + settings.clearance.rim
@@ -54,10 +59,20 @@ def slot_spaces(gear: CylindricalGear, machine: Machine, settings: Slotting = SL
     return every_space(gear, table, join(first, space, last), "slots", cutting)
 
 
+def _wall_angle(gear: CylindricalGear, radii: NDArray, stock: float) -> NDArray:
+    """From a space's middle to walls that reach radii [mm] and keep the stock [mm] from the flanks [rad], (n,)."""
+    return gear.half_space(np.maximum(radii, gear.base_radius)) - transverse(gear, stock) / gear.base_radius
+
+
+def _half_width(gear: CylindricalGear, radii: NDArray, stock: float) -> NDArray:
+    """Radius [mm] of the tool that fits with its end at radii [mm], (n,), along both walls at once; negative: none."""
+    return radii * np.tan(_wall_angle(gear, radii, stock))
+
+
 def _cut(gear: CylindricalGear, radius: float, wall: float, step: float, tool_radius: float) -> Track:
     """All passes with the tool's end at one radius [mm]."""
-    first = asin(tool_radius / radius)
-    walls = np.linspace(first, wall, parts((wall - first) * radius, step) + 1)
+    first = min(atan(tool_radius / radius), wall)
+    walls = np.unique(np.linspace(first, wall, parts((wall - first) * radius, step) + 1))
     return join(*(_both_walls(gear, radius, angle, tool_radius) for angle in walls))
 
 

@@ -1,0 +1,157 @@
+"""Rapids between flank passes stay clear of the blank: the removal road with the rapids alone, over the whole blank."""
+
+import numpy as np
+import pytest
+
+from gearsim.cutters.catalogue import ball, conical, flat
+from gearsim.flank_milling.job import plan
+from gearsim.geometry.turned import Turned
+from gearsim.metrology.machine import MeasuringMachine
+from gearsim.metrology.rapid_check import blank_rays, rapid_touch
+from gearsim.motion.segments import compile_motion, join
+from gearsim.motion.sources import CLMotion
+from gearsim.programs.cldata import RAPID, CLPath, assemble, parse_cl
+from gearsim.scene import load_scene
+from gearsim.toolpaths.clearance import CLEAR_MM, Clearance
+from gearsim.toolpaths.links import APPROACH, WITHDRAWAL, clear_rapids
+
+PINION = (
+    "surface.teeth=9", "surface.mate_teeth=33", "surface.hand='right'", "surface.addendum_mm=6.7968",
+    "surface.dedendum_mm=2.6332", "surface.face_angle_deg=20.4167", "surface.root_angle_deg=13.8833",
+    "surface.rim_mm=3", "toolpath.points=9",
+)  # fmt: skip
+SHORT = ("toolpath.run_mm=0", "toolpath.retract_mm=1")
+
+
+def cut_by_rapids(program, cutter, stock, device):
+    """Longest chord [mm] that the rapids of a program alone cut out of an uncut blank."""
+    rapids = [p for p in program.paths if p.name == RAPID]
+    table = join([compile_motion(CLMotion(p.tips, p.axes), cutter.reach) for p in rapids])
+    rays = blank_rays(stock)
+    ray, start, end = stock.chords(rays.origin, rays.direction)
+    removed = MeasuringMachine(cutter, device, 1e-9, 64).removed(rays, table)
+    longest = 0.0
+    for lo, hi, k in zip(removed.lo, removed.hi, removed.ray, strict=True):
+        mine = ray == k
+        longest = max(longest, float((np.minimum(hi, end[mine]) - np.maximum(lo, start[mine])).max(initial=0.0)))
+    return longest
+
+
+@pytest.mark.parametrize(
+    ("scene", "overrides"),
+    [
+        ("spiral-bevel-flank", PINION),
+        ("spiral-bevel-flank", (*PINION, *SHORT)),
+        ("spiral-bevel-flank", SHORT),
+        ("spiral-bevel-flank-conventional", ("toolpath.retract_mm=0.5",)),
+    ],
+)
+def test_planned_rapids_touch_nothing_of_the_blank(scene, overrides, device):
+    """The pinion's straight way from pass to pass led through it; passes that end on the blank are left by feed."""
+    job = plan(*load_scene(scene, overrides))
+    program, stock = parse_cl(job.cl_text), job.tooth.blank.stock
+    assert cut_by_rapids(program, job.cutter, stock, device) == 0.0
+    clearance = Clearance(stock, job.cutter)
+    assert all(clearance.along(p.tips, p.axes) > CLEAR_MM - 1e-6 for p in program.paths if p.name == RAPID)
+    assert {"convex", "concave"} <= {p.name for p in program.paths}
+    for before, after in zip(program.paths[:-1], program.paths[1:], strict=True):
+        assert np.allclose(before.tips[-1], after.tips[0])
+        assert np.allclose(before.axes[-1], after.axes[0])
+
+
+def test_a_pass_that_ends_on_the_blank_is_reached_and_left_by_feed():
+    job = plan(*load_scene("spiral-bevel-flank", (*SHORT, "toolpath.points=9")))
+    names = [p.name for p in parse_cl(job.cl_text).paths]
+    assert names == ["rapid", APPROACH, "convex", WITHDRAWAL, "rapid", APPROACH, "concave", WITHDRAWAL, "rapid"]
+
+
+def test_rapids_that_are_clear_stay_as_they_are():
+    job = plan(*load_scene("spiral-bevel-flank", ("toolpath.points=9",)))
+    names = [p.name for p in parse_cl(job.cl_text).paths]
+    assert names == ["rapid", "convex", "rapid", "concave", "rapid"]
+
+
+DISC = Turned(np.array([[10.0, 0.0], [40.0, 0.0], [40.0, -8.0], [10.0, -8.0]]))
+
+
+def unit(v):
+    return np.asarray(v, dtype=float) / np.linalg.norm(v)
+
+
+@pytest.mark.parametrize(
+    "cutter", [flat(6.0, 30.0), ball(8.0, 30.0), conical(1.0, 0.5, 0.2, 40.0)], ids=lambda c: c.name
+)
+def test_passes_on_opposite_sides_of_a_disc_are_joined_around_it(cutter, device, rng):
+    """Above, below, beside and in the bore; opposite axes, too."""
+    places = [
+        ([25.0, 0.0, 0.0], [0.0, 0.0, 1.0]), ([25.0, 0.0, -8.0], [0.0, 0.0, -1.0]),
+        ([40.0, 0.0, -4.0], [1.0, 0.0, 0.0]), ([-40.0, 0.0, -4.0], [-1.0, 0.0, 0.0]), ([0.0, 0.0, -20.0], [0.0, 0.0, 1.0]),
+        *((40.0 * unit([*v[:2], 0.0]), unit(v)) for v in rng.normal(size=(3, 3))),
+    ]  # fmt: skip
+    passes = []
+    for i, (tip, axis) in enumerate(places):
+        tip, axis = np.array(tip), unit(axis)
+        side = unit(np.cross(axis, [0.3, 0.5, 0.8]))
+        passes.append(CLPath(f"p{i}", np.array([tip, tip + 2.0 * side]), np.array([axis, axis])))
+    program = clear_rapids(assemble(passes, 3.0, cutter), cutter, DISC, 3.0)
+    assert cut_by_rapids(program, cutter, DISC, device) == 0.0
+    assert [p.name for p in program.paths if p.name.startswith("p")] == [p.name for p in passes]
+    for before, after in zip(program.paths[:-1], program.paths[1:], strict=True):
+        assert np.allclose(before.tips[-1], after.tips[0])
+
+
+def test_the_clearance_is_a_lower_bound_near_the_truth(rng):
+    """Against the least distance of points of the tool's skin from the blank, at random poses and on the way."""
+    cutter = conical(1.0, 0.5, 0.2, 20.0)
+    clearance = Clearance(DISC, cutter)
+    angle = np.linspace(0.0, 2.0 * np.pi, 49)
+    meridian = [e.at(np.linspace(0.0, e.length, 40)) for e in cutter.elements]
+    r, z = (np.concatenate([getattr(p, k) for p in meridian]) for k in ("r", "z"))
+    for _ in range(20):
+        axis = unit(rng.normal(size=3))
+        tip = unit(rng.normal(size=3)) * 60.0
+        x = unit(np.cross(axis, rng.normal(size=3)))
+        y = np.cross(axis, x)
+        ring = np.cos(angle)[:, None] * x + np.sin(angle)[:, None] * y
+        skin = tip + z[:, None, None] * axis + r[:, None, None] * ring
+        true = DISC.signed_distance(skin).min()
+        bound = float(clearance.at(tip[None], axis[None])[0])
+        assert bound <= true + 1e-9
+        assert bound > true - cutter.max_radius - 1.0
+        up = np.stack([tip, tip + 5.0 * axis])
+        assert clearance.along(up, np.stack([axis, axis])) <= true + 1e-9
+
+
+def test_the_distance_from_a_turned_solid_is_that_of_its_outline():
+    points = np.array([[50.0, 0, -4], [0, 0, -4], [25, 0, 3], [25, 0, -2], [0, 43, 4], [40, 0, 0], [10, 0, -4]])
+    assert np.allclose(DISC.signed_distance(points), [10.0, 10.0, 3.0, -2.0, 5.0, 0.0, 0.0])
+
+
+@pytest.mark.parametrize(("opened", "touches"), [(False, True), (True, False)])
+def test_a_rapid_where_feeds_have_cut_before_touches_nothing(opened, touches, device):
+    """Down by rapid into a hole: touching before it is drilled, not after; the order counts."""
+    cutter = flat(6.0, 30.0)
+    down = np.array([[25.0, 0.0, 5.0], [25.0, 0.0, -5.0]])
+    up, axis = down[::-1], np.tile([0.0, 0.0, 1.0], (2, 1))
+    order = [(False, down), (True, up), (True, down)] if opened else [(True, down), (False, up), (False, down)]
+    table = join([compile_motion(CLMotion(tips, axis), cutter.reach) for _, tips in order])
+    rapid = np.array([is_rapid for is_rapid, _ in order])
+    machine = MeasuringMachine(cutter, device, 1e-9, 16)
+    found = rapid_touch(
+        DISC, blank_rays(DISC), rapid, lambda rays, chosen: machine.removed(rays, table.part(chosen[table.path]))
+    )
+    assert (found is not None) == touches
+    if found:
+        assert found.step == 0
+        assert found.rays > 10
+        assert np.hypot(*(found.place[:2] - [25.0, 0.0])) < 3.0 + 1e-9
+
+
+def test_a_rapid_that_just_touches_a_face_cuts_nothing(device):
+    """Sliding over the top face at its very height, and a micrometre lower."""
+    cutter, axis = flat(6.0, 30.0), np.tile([0.0, 0.0, 1.0], (2, 1))
+    machine = MeasuringMachine(cutter, device, 1e-9, 16)
+    for z, touches in ((0.0, False), (-1e-3, True)):
+        table = compile_motion(CLMotion(np.array([[-50.0, 0.0, z], [50.0, 0.0, z]]), axis), cutter.reach)
+        found = rapid_touch(DISC, blank_rays(DISC), np.array([True]), lambda rays, _, t=table: machine.removed(rays, t))
+        assert (found is not None) == touches
