@@ -33,6 +33,7 @@ _LONGEST_STEP = 1.0
 _BEYOND = 0.5
 _CONVERGED = 1e-9
 _SETTLED = 1e-11
+_ROUNDING = 1e-15
 _JOINT_SLACK = 1e-3
 _EDGE_SLACK = 1e-9
 _PROBES = 48
@@ -98,7 +99,7 @@ def _envelope_crossings(
     seeds = distinct(envelope_seeds(rays, source, cutter, thorough), thorough)
     walked = _newton(rays, jet, seeds, _WALKS, source.pieces)[0]
     if thorough:
-        walked = joined([walked, pose_seeds(rays, source, cutter)])
+        walked = joined([pose_seeds(rays, source, cutter), walked])
     guess = distinct(with_neighbours(walked, source.pieces, _BEYOND), thorough)
     solved, tau, settled = _newton(rays, jet, guess, _STEPS)
     early, late = ~settled | (solved.t < _JOINT_SLACK), ~settled | (solved.t > 1.0 - _JOINT_SLACK)
@@ -217,7 +218,8 @@ def _newton(rays: RayBundle, jet: Jet, guess: Guess, steps: int, walk: int = 0) 
     point, by_t, by_place = jet(piece, t, element, place, branch)
     *_, miss = _step(point - origin, by_t, by_place, e1, e2)
     tau = _dot(point - origin, direction)
-    return Guess(ray, piece, t, element, place, branch), tau, np.nan_to_num(miss, nan=np.inf) < _SETTLED
+    finest = _SETTLED + _ROUNDING * np.nan_to_num(np.linalg.norm(by_t, axis=1))  # t's last bit, where points race
+    return Guess(ray, piece, t, element, place, branch), tau, np.nan_to_num(miss, nan=np.inf) < finest
 
 
 def _step(

@@ -11,6 +11,7 @@ from scipy.spatial import cKDTree
 
 from gearsim.cutters.profile import Profile
 from gearsim.envelope.surface import BRANCHES, envelope_grid
+from gearsim.envelope.trim import distance_rate
 from gearsim.geometry.rays import RayBundle
 from gearsim.motion.sources import MotionSource
 
@@ -23,6 +24,9 @@ _PROBE_STEP = 0.4
 _SLACK = 1.0
 _SEVERAL = 5
 _CHUNK = 1 << 20
+_TURNS = 6
+_HALVINGS = 40
+_GRAZES = 0.05
 
 
 PointsAt = Callable[[NDArray, NDArray, NDArray, NDArray], tuple[Any, ...]]
@@ -74,32 +78,77 @@ def envelope_seeds(rays: RayBundle, source: MotionSource, cutter: Profile, thoro
 
 
 def pose_seeds(rays: RayBundle, source: MotionSource, cutter: Profile) -> Guess:
-    """For each ray the pose that comes closest to its origin, and the profile's point nearest to it there.
+    """For each ray the pose that comes closest to its origin, and the one that holds the machined surface on it.
 
-    Where grazing curves run along the feed, or joints cut most of a surface, the nearest envelope point may
-    lie many pieces away from the pose that cuts.
+    Where grazing curves run along the feed, or joints cut most of a surface, the nearest envelope point may lie many
+    pieces away from the pose that cuts. Where the tool all but stands still, or turns about a point of its axis, its
+    grazing point races around it, and Newton's method steps over the moment: the pose that comes closest is sought
+    instead, and the ray's parameter moved by the distance left until none is.
     """
     each = max(2, -(-_PER_RAY // source.pieces))
     piece = np.repeat(np.arange(source.pieces), each)
-    t = np.tile((np.arange(each) + 0.5) / each, source.pieces)
-    pose = source.pose(piece, t, 1)
-    (tip, tip_rate), (axis, axis_rate) = pose.tip.derivatives(), pose.axis.derivatives()
-    nearest = np.empty(len(rays), dtype=int)
-    step = max(1, _CHUNK // len(t))
-    for begin in range(0, len(rays), step):
-        q = rays.origin[begin : begin + step, None] - tip
+    sampled = piece, np.tile((np.arange(each) + 0.5) / each, source.pieces)
+    tau, found = np.zeros(len(rays)), []
+    for turn in range(_TURNS):
+        points = rays.origin + tau[:, None] * rays.direction
+        nearest = _closest_sample(points, source, cutter, sampled)
+        at, t = sampled[0][nearest], sampled[1][nearest]
+        if turn:
+            t = _closest_moment(points, source, cutter, at, t, 1.0 / each)
+        guess, distance, slope = _touched(rays, points, source, cutter, at, t)
+        found.append(guess)
+        with np.errstate(divide="ignore", invalid="ignore"):
+            step = np.where(np.abs(slope) > _GRAZES, -distance / slope, 0.0)
+        tau = np.clip(tau + step, rays.start, rays.end)
+    return joined([found[-1], found[0]])
+
+
+def _closest_sample(
+    points: NDArray, source: MotionSource, cutter: Profile, sampled: tuple[NDArray, NDArray]
+) -> NDArray:  # fmt: skip
+    """Which of the sampled poses comes closest to each point, shape (n,)."""
+    tip, axis = (s.value for s in source.pose(*sampled, 0))
+    nearest = np.empty(len(points), dtype=int)
+    step = max(1, _CHUNK // len(tip))
+    for begin in range(0, len(points), step):
+        q = points[begin : begin + step, None] - tip
         z = np.einsum("ijk,jk->ij", q, axis)
         r = np.sqrt(np.maximum(np.einsum("ijk,ijk->ij", q, q) - z * z, 0.0))
         nearest[begin : begin + step] = cutter.signed_distance(r, z).argmin(axis=1)
-    q = rays.origin - tip[nearest]
-    z = np.einsum("ij,ij->i", q, axis[nearest])
-    w = q - z[:, None] * axis[nearest]
-    element, s = cutter.nearest(np.linalg.norm(w, axis=1), z)
+    return nearest
+
+
+def _closest_moment(
+    points: NDArray, source: MotionSource, cutter: Profile, piece: NDArray, t: NDArray, spacing: float
+) -> NDArray:  # fmt: skip
+    """When on its piece, within a spacing of t, the tool comes closest to each point: where its approach ends."""
+    early, late = np.maximum(t - spacing, 0.0), np.minimum(t + spacing, 1.0)
+    for _ in range(_HALVINGS):
+        middle = 0.5 * (early + late)
+        tip, axis = (s.derivatives() for s in source.pose(piece, middle, 1))
+        comes = distance_rate(cutter, points, tip[0], axis[0], tip[1], axis[1])[1] < 0.0
+        early, late = np.where(comes, middle, early), np.where(comes, late, middle)
+    return 0.5 * (early + late)
+
+
+def _touched(
+    rays: RayBundle, points: NDArray, source: MotionSource, cutter: Profile, piece: NDArray, t: NDArray
+) -> tuple[Guess, NDArray, NDArray]:  # fmt: skip
+    """The profile's point nearest to each point at a pose; their distance [mm] and its rate along the ray."""
+    (tip, tip_rate), (axis, axis_rate) = (s.derivatives() for s in source.pose(piece, t, 1))
+    q = points - tip
+    z = np.einsum("ij,ij->i", q, axis)
+    w = q - z[:, None] * axis
+    r = np.linalg.norm(w, axis=1)
+    element, s = cutter.nearest(r, z)
     at = cutter.at(element, s)
     lever = (at.z * at.nr - at.r * at.nz)[:, None]
-    g = at.nr[:, None] * tip_rate[nearest] + lever * axis_rate[nearest]
-    branch = np.where(np.einsum("ij,ij->i", w, np.cross(axis[nearest], g)) < 0.0, -1.0, 1.0)
-    return Guess(np.arange(len(rays)), piece[nearest], t[nearest], element, s, branch)
+    g = at.nr[:, None] * tip_rate + lever * axis_rate
+    branch = np.where(np.einsum("ij,ij->i", w, np.cross(axis, g)) < 0.0, -1.0, 1.0)
+    distance, nr, nz = cutter.distance_gradient(r, z)
+    normal = (nr / np.maximum(r, 1e-300))[:, None] * w + nz[:, None] * axis
+    slope = np.einsum("ij,ij->i", normal, rays.direction)
+    return Guess(np.arange(len(rays)), piece, t, element, s, branch), distance, slope
 
 
 def angle_seeds(

@@ -85,7 +85,8 @@ def test_passes_on_opposite_sides_of_a_disc_are_joined_around_it(cutter, device,
     """Above, below, beside and in the bore; opposite axes, too."""
     places = [
         ([25.0, 0.0, 0.0], [0.0, 0.0, 1.0]), ([25.0, 0.0, -8.0], [0.0, 0.0, -1.0]),
-        ([40.0, 0.0, -4.0], [1.0, 0.0, 0.0]), ([-40.0, 0.0, -4.0], [-1.0, 0.0, 0.0]), ([0.0, 0.0, -20.0], [0.0, 0.0, 1.0]),
+        ([40.0, 0.0, -4.0], [1.0, 0.0, 0.0]), ([-40.0, 0.0, -4.0], [-1.0, 0.0, 0.0]),
+        ([0.0, 0.0, -20.0], [0.0, 0.0, 1.0]),
         *((40.0 * unit([*v[:2], 0.0]), unit(v)) for v in rng.normal(size=(3, 3))),
     ]  # fmt: skip
     passes = []
