@@ -88,6 +88,7 @@ def plan(scene: FlankMillingScene, folder: Path) -> Job:
     ``folder`` is where a relative CL file name is looked up.
     """
     tooth, cutter = scene.tooth(), scene.tool()
+    tooth.check()
     table = scene.toolpath
     planners: dict[Side, FlankPass] = {}
     notes: tuple[str, ...] = ()

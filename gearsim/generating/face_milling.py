@@ -11,6 +11,7 @@ from gearsim.scene.generated import FaceMillingScene
 def plan_face_milling(scene: FaceMillingScene) -> GeneratingJob:
     """The slot's patches under the generator's own motion."""
     tooth = scene.tooth()
+    tooth.check()
     motion = CurveMotion(tooth.poses, *tooth.motion_range)
     if tooth.generated:
         name, text = "roll", "generating roll: cradle and work turn together, continuously"

@@ -23,6 +23,7 @@ PINION_FRAME = "pinion frame: z along the pinion axis, origin at the apex of its
 def plan_hypoid(scene: HypoidScene) -> GeneratingJob:
     """The slot under the roll, and under every machine's table of axis values; one cut, or one for each flank."""
     pinion, machines = scene.pinion(), scene.machines()
+    pinion.check()
     sides = {"concave": pinion.concave, "convex": pinion.convex}
     together = pinion.concave == pinion.convex
     whole = {"": pinion.concave.patches}

@@ -7,25 +7,27 @@ along its axis and leaves its own shape.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
-from math import pi
 from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
+from gearsim.cutters.edge import SharpEdge
+from gearsim.cutters.element import Element
 from gearsim.cutters.profile import Profile
 from gearsim.errors import InputError
 from gearsim.geometry.pose import PoseSeries
 from gearsim.machines.generator import CradleGenerator
 from gearsim.surfaces.blank import BevelBlank
-from gearsim.surfaces.generated import Envelope, HeadSurface, Sheet
-from gearsim.surfaces.patch import Part, Side
-from gearsim.surfaces.slot_patch import GeneratedPatch, face_run
+from gearsim.surfaces.generated import HeadSurface, Sheet
+from gearsim.surfaces.patch import Part, Side, patch_name
+from gearsim.surfaces.rolled import RolledSurface
+from gearsim.surfaces.slot_checks import check_slot
+from gearsim.surfaces.slot_patch import GeneratedPatch, face_run, never_cuts
 
-_SEARCH = pi / 3.0
-"""Cradle angles [rad] to either side of the centre among which a tooth is looked for."""
+_ROUNDED, _SHARP = ("flat", "arc", "line", "flat", "line", "arc"), ("flat", "line", "flat", "line")
 
 
 @dataclass(frozen=True)
@@ -33,7 +35,8 @@ class FaceMilledTooth:
     """A slot of a face-milled bevel gear.
 
     ``head`` is a ring (`cutters.catalogue.face_mill_head`): tip land, outer edge radius and flank, top, inner
-    flank and edge radius, in this order. ``generated`` False: the head plunges with cradle and work at rest.
+    flank and edge radius, in this order, without the radii if the blades are sharp.
+    ``generated`` False: the head plunges with cradle and work at rest.
     ``margin``: how far the motion goes on beyond what the face needs, as a fraction of that. Raises
     InputError for a head of another shape.
     """
@@ -45,12 +48,18 @@ class FaceMilledTooth:
     margin: float = 0.05
 
     def __post_init__(self) -> None:
-        kinds = [("arc" if e.is_arc else "flat" if e.is_flat else "line") for e in self.head.elements]
-        if kinds != ["flat", "arc", "line", "flat", "line", "arc"]:
+        kinds = tuple(e.kind for e in self.head.elements)
+        if kinds not in (_ROUNDED, _SHARP):
             raise InputError(
                 f"cutter {self.head.name!r} is no face-mill head: its profile is {', '.join(kinds)}; wanted are "
-                "flat tip land, arc and line of the outside, flat top, line and arc of the inside"
+                "flat tip land, arc and line of the outside, flat top, line and arc of the inside (sharp blades: "
+                "flat, line, flat, line)"
             )
+
+    @property
+    def sharp(self) -> bool:
+        """Whether the blades have no edge radius."""
+        return len(self.head.elements) == len(_SHARP)
 
     @property
     def hand(self) -> Literal["left", "right"]:
@@ -67,40 +76,52 @@ class FaceMilledTooth:
     def sheet(self, part: Part, side: Side) -> Sheet:
         """The surface that one profile element generates, without limits.
 
-        Of an envelope's two branches the one that cuts the blank's face, which the head's ring crosses once.
-        Raises InputError where none does.
+        Of the two cradle angles at which a point of the head may cut, the one nearer to the cradle's centre where
+        it cuts the blank's face, which the head's ring crosses once. Raises InputError where none does.
         """
-        element = self.head.elements[self._element(part, side)]
+        element = self.element(part, side)
         if not self.generated:
+            if isinstance(element, SharpEdge):
+                raise InputError("a sharp head at rest leaves no fillet; give it an edge radius, or let it roll")
             return HeadSurface(self.generator.frames(np.zeros(1), 0), element)
-        found: dict[float, Envelope] = {}
+        plain = replace(self.generator, modified_roll=())
+        found: dict[float, RolledSurface] = {}
         for branch in (1.0, -1.0):
-            sheet = Envelope(self.poses, element, branch, (-_SEARCH, _SEARCH))
+            sheet = RolledSurface(self.generator.frames, plain.frames, element, branch)
             run = face_run(sheet, self.blank, 0.5 * element.length)
             if run is not None:
-                found[abs(run.at_mean)] = sheet
+                found[run.at_mean] = sheet
         if not found:
-            raise InputError(
-                f"the head never cuts the {side} {part} at the mean cone distance {self.blank.mean:.4g} mm: check "
-                "radial distance, cradle angle, machine root angle and the head's radius"
-            )
+            raise InputError(never_cuts(self.blank, patch_name(part, side), self.reach(side)))
         return found[min(found)]
 
-    @staticmethod
-    def _element(part: Part, side: Side) -> int:
-        return 0 if part == "bottom" else {"flank": (2, 4), "fillet": (1, 5)}[part][side == "convex"]
+    def element(self, part: Part, side: Side) -> Element | SharpEdge:
+        """The head's profile element that cuts a part of the slot."""
+        chain, inside = self.head.elements, side == "convex"
+        if part == "bottom":
+            return chain[0]
+        if not self.sharp:
+            return chain[{"flank": (2, 4), "fillet": (1, 5)}[part][inside]]
+        flank = chain[3 if inside else 1]
+        if part == "flank":
+            return flank
+        return SharpEdge.between(flank, chain[0]) if inside else SharpEdge.between(chain[0], flank)
+
+    def reach(self, side: Side = "convex") -> str:
+        """Where the head's circle passes, in words (the same for both sides)."""
+        r, s = self.element("bottom", "convex").at(np.zeros(1)).r[0], self.generator.radial_distance
+        return f"its tip circle passes the cradle axis at {abs(s - r):.4g} to {s + r:.4g} mm"
 
     def blade_start(self, side: Side) -> float:
         """Height [mm] over the tip plane at which the blade's edge radius ends and its straight flank begins."""
-        element = self.head.elements[self._element("flank", side)]
-        return float(min(element.start[1], element.end[1]))
+        return float(min(self.element("flank", side).at(np.array([0.0, self.element("flank", side).length])).z))
 
     def flank(self, side: Side) -> GeneratedPatch:
         """The working flank of one side."""
         return GeneratedPatch(self, "flank", side)
 
     def fillet(self, side: Side) -> GeneratedPatch:
-        """The fillet of one side, cut by the blade's edge radius."""
+        """The fillet of one side, cut by the blade's edge radius, or by its sharp edge as it passes."""
         return GeneratedPatch(self, "fillet", side)
 
     @property
@@ -110,9 +131,17 @@ class FaceMilledTooth:
 
     @property
     def patches(self) -> list[GeneratedPatch]:
-        """The whole slot, from the concave tip down and up to the convex tip."""
-        concave, convex = ([self.flank(side), self.fillet(side)] for side in ("concave", "convex"))
+        """The whole slot, from the concave tip down and up to the convex tip.
+
+        A sharp head at rest leaves no fillets.
+        """
+        fillets = self.generated or not self.sharp
+        concave, convex = ([self.flank(side), *[self.fillet(side)] * fillets] for side in ("concave", "convex"))
         return [*concave, self.bottom, *reversed(convex)]
+
+    def check(self) -> None:
+        """Raise InputError for a slot that no gear has (`check_slot`)."""
+        check_slot(self.flank("concave"), self.flank("convex"), [self.bottom])
 
     @cached_property
     def motion_range(self) -> tuple[float, float]:
@@ -123,6 +152,6 @@ class FaceMilledTooth:
         if not self.generated:
             return (2.0 * float(self.blank.whole_depth_at(self.blank.cone_distance)), 0.0)
         length, height = (g.ravel() for g in np.meshgrid(np.linspace(0.0, 1.0, 9), np.linspace(0.0, 1.0, 9)))
-        u = np.concatenate([p.locate(length, height)[0] for p in self.patches])
-        run_out = self.margin * np.ptp(u)
-        return (float(u.min() - run_out), float(u.max() + run_out))
+        phi = np.concatenate([p.pose_parameter(*p.locate(length, height)) for p in self.patches])
+        run_out = self.margin * np.ptp(phi)
+        return (float(phi.min() - run_out), float(phi.max() + run_out))

@@ -1,20 +1,11 @@
-"""Surfaces that a head in motion generates, one profile element at a time: envelopes, and the head's own shape.
+"""Sheets: surfaces that a head leaves, one profile element at a time, and the head's own shape at rest.
 
-A sheet is a parametric surface (u, v): v is the arc length on the profile element, u the motion's parameter
-on an envelope, the angle about the axis on a head at rest. Its points are candidates: what the slot keeps of
-them is what no other pose cuts away. For small motions that is told by the second derivative of the distance
-F of a fixed point to the moving head. With n the head's normal, X(s, t) the envelope, F_t = 0 on it, and the
-normals of head and envelope common, F's gradient there turns by n_t - H X_t, H the head's shape operator, so
-
-    F_tt = X_t . H X_t - n_t . X_t :
-
-the head's own curvature along X_t less the envelope's. Where it is not positive, poses nearby cut deeper: the
-point is undercut. F_tt passes zero at the edge of regression, where the envelope's curvature is infinite.
+A sheet is a parametric surface (u, v) in the head's own coordinates: v is the arc length on the profile
+element, u the angle about the head's axis. What a rolling head leaves is in surfaces/rolled.py.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from math import pi
 from typing import Protocol
@@ -25,21 +16,31 @@ from numpy.typing import NDArray
 from gearsim.cutters.profile import Element
 from gearsim.errors import InputError
 from gearsim.geometry import series
-from gearsim.geometry.grazing import PoseJet, grazing_points
+from gearsim.geometry.grazing import MeridianPoints
 from gearsim.geometry.jets import Curvature, fundamental_curvature
-from gearsim.geometry.pose import FrameSeries, PoseSeries
+from gearsim.geometry.pose import FrameSeries
 from gearsim.geometry.series import Series
 
-Poses = Callable[[NDArray, int], PoseSeries]
+TURNS = (-2.0 * pi, 2.0 * pi)
+"""Angles about the axis to look for a tooth in: wherever it lies, one of its images lies whole in two turns."""
+
+
+class Meridian(Protocol):
+    """A smooth piece of a profile over v, `cutters.element.Element` or `cutters.edge.SharpEdge`."""
+
+    @property
+    def length(self) -> float: ...
+
+    def at(self, s: NDArray) -> MeridianPoints: ...
 
 
 @dataclass(frozen=True)
 class GeneratedJet:
     """Points with tangents, normals (out of the material) and their rates, each of shape (n, 3).
 
-    ``exists``, shape (n,), is False, and all the rest nan, where the head at this pose cuts with no point of
-    this profile height. ``closing`` [mm] is the second derivative, by the motion's parameter, of the point's
-    distance to the head (inf for a head at rest): positive where the point survives all poses nearby.
+    ``exists``, shape (n,), is False, and all the rest nan, where this point of the head cuts at no pose.
+    ``closing`` [mm] is the second derivative, by the motion's parameter, of the point's distance to the head (inf for
+    a head at rest): positive where the point survives all poses nearby.
     """
 
     r: NDArray
@@ -70,7 +71,7 @@ class Sheet(Protocol):
     """A surface that one profile element generates; ``span`` bounds the u worth searching."""
 
     @property
-    def element(self) -> Element: ...
+    def element(self) -> Meridian: ...
 
     @property
     def span(self) -> tuple[float, float]: ...
@@ -83,50 +84,9 @@ class Sheet(Protocol):
         """Points and normals out of the material along a curve u(t), v(t) on a straight element's sheet."""
         ...
 
-    def pose_parameter(self, u: NDArray) -> NDArray:
-        """The motion's parameter at which the head cuts the points of u, shape (n,)."""
+    def pose_parameter(self, u: NDArray, v: NDArray) -> NDArray:
+        """The motion's parameter at which the head cuts the points (u, v), shape (n,); nan where it never does."""
         ...
-
-
-@dataclass(frozen=True)
-class Envelope:
-    """One branch (+1, -1) of the grazing points of a profile element under a motion; u is its parameter."""
-
-    poses: Poses
-    element: Element
-    branch: float
-    span: tuple[float, float]
-
-    def jet(self, u: NDArray, v: NDArray) -> GeneratedJet:
-        tip, axis = (s.derivatives() for s in self.poses(u, 2))
-        meridian = self.element.at(v)
-        g = grazing_points(
-            PoseJet(tip[0], axis[0], tip[1], axis[1], tip[2], axis[2]), meridian, np.full(len(u), self.branch)
-        )
-        around = np.cross(axis[0], g.point - tip[0]) / meridian.r[:, None]
-        up = np.cross(around, g.normal)
-        own = meridian.curvature * _dot(g.point_t, up) ** 2 + (meridian.nr / meridian.r) * _dot(g.point_t, around) ** 2
-        closing = own - _dot(g.normal_t, g.point_t)
-        return GeneratedJet(
-            g.point, g.point_t, g.point_s, -g.normal, -g.normal_t, -g.normal_s, g.exists, closing
-        )  # fmt: skip
-
-    def curve(self, u: Series, v: Series) -> tuple[Series, Series]:
-        """As `grazing_points`, in series: the pose's expansion about u(0), and its derivative, composed with u(t)."""
-        pose, ahead = self.poses(u.value, u.order + 1), u - u.value
-        tip, axis = (series.compose(s, ahead) for s in pose)
-        tip_rate, axis_rate = (series.compose(s.derivative(), ahead) for s in pose)
-        r, z, nr, nz = _straight(self.element, v)
-        g = tip_rate * nr + axis_rate * (z * nr - r * nz).column
-        b = series.dot(axis, tip_rate) * nz
-        flat = g - axis * series.dot(axis, g).column
-        size2 = series.dot(flat, flat)
-        root = series.sqrt(size2 - b * b) * self.branch
-        radial = (series.cross(axis, flat) * root.column - flat * b.column) / size2.column
-        return tip + axis * z.column + radial * r.column, radial * -nr - axis * nz
-
-    def pose_parameter(self, u: NDArray) -> NDArray:
-        return u
 
 
 @dataclass(frozen=True)
@@ -138,7 +98,7 @@ class HeadSurface:
 
     frame: FrameSeries
     element: Element
-    span: tuple[float, float] = (-pi, pi)
+    span: tuple[float, float] = TURNS
 
     def jet(self, u: NDArray, v: NDArray) -> GeneratedJet:
         tip, axis, x = (s.value[0] for s in self.frame)
@@ -154,19 +114,21 @@ class HeadSurface:
 
     def curve(self, u: Series, v: Series) -> tuple[Series, Series]:
         tip, axis, x = (s.value[0] for s in self.frame)
-        r, z, nr, nz = _straight(self.element, v)
+        r, z, nr, nz = straight(self.element, v)
         turn = series.exp(u * 1j)
         radial = turn.real.column * x + turn.imag.column * np.cross(axis, x)
         return z.column * axis + tip + radial * r.column, radial * -nr - nz * axis
 
-    def pose_parameter(self, u: NDArray) -> NDArray:
+    def pose_parameter(self, u: NDArray, v: NDArray) -> NDArray:
         return np.zeros(np.shape(u))
 
 
-def _straight(element: Element, v: Series) -> tuple[Series, Series, float, float]:
+def straight(element: Meridian, v: Series) -> tuple[Series, Series, float, float]:
     """(r, z) of a line element as series of the arc length v, and its constant normal (nr, nz)."""
-    if element.is_arc:
-        raise InputError("series along an arc of the profile are not available: only straight elements lie along rules")
+    if not isinstance(element, Element) or element.is_arc:
+        raise InputError(
+            "series along an arc or edge of the profile are not available: only straight elements lie along rules"
+        )
     start = element.at(np.array(0.0))
     nr, nz = float(start.nr), float(start.nz)
     return v * -nz + float(start.r), v * nr + float(start.z), nr, nz

@@ -23,6 +23,7 @@ from gearsim.surfaces.blank import BevelBlank
 from gearsim.surfaces.face_milled import FaceMilledTooth
 from gearsim.surfaces.generated import Sheet
 from gearsim.surfaces.patch import Part, Side
+from gearsim.surfaces.slot_checks import check_slot
 from gearsim.surfaces.slot_patch import GeneratedPatch
 
 
@@ -66,6 +67,14 @@ class HypoidPinion:
     def sheet(self, part: Part, side: Side) -> Sheet:
         """The surface that one profile element of that side's head generates, without limits."""
         return self.cut(side).sheet(part, side)
+
+    def reach(self, side: Side) -> str:
+        """Where that side's head passes, in words."""
+        return self.cut(side).reach(side)
+
+    def check(self) -> None:
+        """Raise InputError for a slot that no pinion has (`check_slot`)."""
+        check_slot(self.flank("concave"), self.flank("convex"), [cut.bottom for cut in (self.concave, self.convex)])
 
     def flank(self, side: Side) -> GeneratedPatch:
         """The working flank of one side."""

@@ -21,6 +21,7 @@ from gearsim.geometry.jets import SurfaceJet
 from gearsim.geometry.series import Series
 from gearsim.surfaces.blank import BevelBlank
 from gearsim.surfaces.patch import Part, Side, patch_name
+from gearsim.surfaces.slot_checks import check_slot
 
 
 class Spine(NamedTuple):
@@ -148,6 +149,10 @@ class RuledBevelTooth:
     def bottom(self) -> ToothPatch:
         """The bottom land; v is the profile's y [mm], from the concave wall to the convex one."""
         return ToothPatch(self, "bottom", "convex")
+
+    def check(self) -> None:
+        """Raise InputError for a slot that no gear has (`check_slot`)."""
+        check_slot(self.flank("concave"), self.flank("convex"), [self.bottom])
 
     @property
     def patches(self) -> list[ToothPatch]:

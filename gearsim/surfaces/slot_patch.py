@@ -19,12 +19,14 @@ from gearsim.surfaces.patch import SIDES, Part, Side, patch_name
 _STEPS = 60
 _WALK = 12
 _SCAN = 721
+_SEARCH = pi / 3.0  # cradle angles to either side of the centre among which a tooth is looked for
 _SETTLED = 1e-12
 _FOUND = 1e-9
 
 
 class FaceRun(NamedTuple):
-    """A run of u along which a sheet's cone distance [mm] rises through the face; ``at_mean`` is u at its middle."""
+    """A run of u along which a sheet's cone distance [mm] rises through the face; ``at_mean`` is the motion's
+    parameter in its middle."""
 
     u: NDArray
     cone: NDArray
@@ -32,22 +34,37 @@ class FaceRun(NamedTuple):
 
 
 def face_run(sheet: Sheet, blank: BevelBlank, v: float) -> FaceRun | None:
-    """The run at profile arc length v [mm] nearest to u = 0, or None where the sheet misses the tooth."""
-    u = np.linspace(*sheet.span, _SCAN)
-    cone, above = blank.cone_height(sheet.jet(u, np.full(_SCAN, v)).r)
+    """The run at profile arc length v [mm] that is cut nearest to the motion's middle, or None where there is none.
+
+    A head at rest crosses the cone twice; its tooth lies where the gear's axial plane of y = 0 is.
+    """
+    u, at = np.linspace(*sheet.span, _SCAN), np.full(_SCAN, v)
+    r, phi = sheet.jet(u, at).r, np.abs(sheet.pose_parameter(u, at))
+    cone, above = blank.cone_height(r)
     beyond, reach = cone - blank.mean, 2.0 * blank.whole_depth_at(blank.cone_distance)
     with np.errstate(invalid="ignore"):
-        crossing = np.flatnonzero((beyond[1:] * beyond[:-1] <= 0.0) & (np.abs(above[1:]) < reach))
+        near = (np.abs(above[1:]) < reach) & (phi[1:] <= _SEARCH)
+        crossing = np.flatnonzero((beyond[1:] * beyond[:-1] <= 0.0) & near)
         rise = np.diff(cone)
     if not len(crossing):
         return None
-    middle = crossing[np.argmin(np.abs(u[crossing]))]
+    around = np.abs(np.arctan2(r[crossing, 1], r[crossing, 0])).round(9)
+    middle = crossing[np.lexsort((np.abs(u[crossing]), around, phi[crossing].round(9)))[0]]
     sense = np.sign(rise[middle])
     stops = np.flatnonzero(~(rise * sense > 0.0))
     low, high = stops[stops < middle].max(initial=-1) + 1, stops[stops > middle].min(initial=_SCAN - 1)
     run = slice(low, high + 1)
     order = slice(None, None, int(sense))
-    return FaceRun(u[run][order], cone[run][order], float(u[middle]))
+    return FaceRun(u[run][order], cone[run][order], float(phi[middle]))
+
+
+def never_cuts(blank: BevelBlank, name: str, reach: str) -> str:
+    """What is wrong where a head misses a part of the slot; ``reach`` says in words where the head passes."""
+    return (
+        f"the head never cuts the {name} at the mean cone distance {blank.mean:.4g} mm: {reach}, the face lies "
+        f"{blank.toe:.4g} to {blank.cone_distance:.4g} mm from the apex; check radial distance, cradle angle, machine "
+        "root angle, ratio of roll and the head's radius"
+    )
 
 
 class GeneratedTooth(Protocol):
@@ -58,6 +75,8 @@ class GeneratedTooth(Protocol):
 
     def sheet(self, part: Part, side: Side) -> Sheet: ...
 
+    def reach(self, side: Side) -> str: ...
+
     def flank(self, side: Side) -> GeneratedPatch: ...
 
 
@@ -65,8 +84,7 @@ class GeneratedTooth(Protocol):
 class GeneratedPatch:
     """One part of a generated slot as a surface r(u, v): ``flank``, ``fillet`` or ``bottom``.
 
-    u is the sheet's (the cradle angle [rad] of a generated tooth, an angle about the head's axis of a
-    non-generated one), v [mm] the arc length on the head's profile element.
+    u [rad] is the angle about the head's axis, v [mm] the arc length on its profile element ([rad] on a sharp edge).
     """
 
     tooth: GeneratedTooth
@@ -104,8 +122,13 @@ class GeneratedPatch:
         The bottom land runs from the concave wall to the convex one. Elements follow the head's chain,
         whose outer side goes up from the tip land and whose inner side comes down to it.
         """
-        rises = self.part != "bottom" and self.sheet.element.end[1] > self.sheet.element.start[1]
+        rises = self.part != "bottom" and self.side == "concave"
         return (0.0, self.sheet.element.length) if rises else (self.sheet.element.length, 0.0)
+
+    def pose_parameter(self, u: NDArray, v: NDArray) -> NDArray:
+        """The motion's parameter at which points are cut (see `FaceMilledTooth.poses`), broadcast to shape (n,)."""
+        u, v = np.broadcast_arrays(np.asarray(u, dtype=float), np.asarray(v, dtype=float))
+        return self.sheet.pose_parameter(u, v)
 
     def locate(self, length: NDArray, height: NDArray) -> tuple[NDArray, NDArray]:
         """Parameters (u, v) of points given on the real blank, both of one shape, each in [0, 1].
@@ -176,10 +199,7 @@ class GeneratedPatch:
     def _run(self) -> FaceRun:
         run = face_run(self.sheet, self.blank, self._middle)
         if run is None:
-            raise InputError(
-                f"the head never cuts the {self.name} at the mean cone distance {self.blank.mean:.4g} mm: check "
-                "radial distance, cradle angle, machine root angle and the head's radius"
-            )
+            raise InputError(never_cuts(self.blank, self.name, self.tooth.reach(self.side)))
         return run
 
     def _solve(self, cone: NDArray, target: NDArray, by_height: bool) -> tuple[NDArray, NDArray]:
@@ -195,7 +215,8 @@ class GeneratedPatch:
             height = "over the pitch cone" if by_height else "along the profile"
             raise InputError(
                 f"the generated {self.name} does not reach cone distance {cone[bad]:.4g} mm at "
-                f"{target[bad]:.4g} mm {height}: the head leaves the slot, or the motion has no envelope there"
+                f"{target[bad]:.4g} mm {height}: the head leaves the slot, or the motion has no envelope there; "
+                f"{self.tooth.reach(self.side)}"
             )
         return u, v
 

@@ -16,9 +16,11 @@ from gearsim.scene import (
     HypoidScene,
     Scene,
 )
-from gearsim.surfaces.cylindrical_gear import SIDES
+from gearsim.surfaces.cylindrical_gear import SIDES as GEAR_SIDES
 from gearsim.surfaces.face_milled import FaceMilledTooth
 from gearsim.surfaces.involute import InvoluteFlank
+from gearsim.surfaces.patch import SIDES
+from gearsim.verify.bevel_tooth import tooth_forms
 from gearsim.verify.closed_form import ClosedForm, envelope_forms, pose_forms
 from gearsim.verify.involute import flank_form
 
@@ -56,14 +58,21 @@ def _envelope(scene: EnvelopeScene, _: Path) -> list[ClosedForm]:
 
 
 def _face_milling(scene: FaceMillingScene, _: Path) -> list[ClosedForm]:
-    return _head(scene.tooth(), "")
+    tooth = scene.tooth()
+    tooth.check()
+    return _head(tooth, "") + tooth_forms(tooth, tooth.patches)
 
 
 def _hypoid(scene: HypoidScene, _: Path) -> list[ClosedForm]:
     pinion = scene.pinion()
+    pinion.check()
     if pinion.concave == pinion.convex:
-        return _head(pinion.concave, "")
-    return _head(pinion.concave, "concave") + _head(pinion.convex, "convex")
+        return _head(pinion.concave, "") + tooth_forms(pinion.concave, pinion.concave.patches)
+    forms = []
+    for side in SIDES:
+        cut = pinion.cut(side)
+        forms += _head(cut, side) + tooth_forms(cut, [p for p in pinion.patches if p.side == side])
+    return forms
 
 
 def _head(tooth: FaceMilledTooth, flank: str) -> list[ClosedForm]:
@@ -76,7 +85,7 @@ def _head(tooth: FaceMilledTooth, flank: str) -> list[ClosedForm]:
 def _generation_milling(scene: GenerationMillingScene, _: Path) -> list[ClosedForm]:
     """Both flanks as the finishing end mill generates them, without modification."""
     gear, radius = scene.gear(), scene.finishing().cutting.radius
-    return [flank_form(InvoluteFlank(gear, side), radius) for side in SIDES]
+    return [flank_form(InvoluteFlank(gear, side), radius) for side in GEAR_SIDES]
 
 
 FORMS: dict[type[Scene], Callable[[Any, Path], list[ClosedForm]]] = {

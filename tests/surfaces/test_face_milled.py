@@ -72,7 +72,7 @@ def test_locate_meets_the_blank(face_milled):
 
 
 def test_patches_join_with_common_tangent_planes(face_milled):
-    """At one pose consecutive profile elements share point and normal: the slot is smooth all over."""
+    """At one angle about the head consecutive profile elements share point and normal: the slot is smooth all over."""
     for side in SIDES:
         flank, fillet, bottom = face_milled.flank(side), face_milled.fillet(side), face_milled.bottom
         wall = bottom.ends[0 if side == "concave" else 1]
@@ -177,9 +177,9 @@ def test_grids_of_samples_can_be_laid_on_every_patch(face_milled):
 def test_the_motion_covers_the_face_with_run_out():
     tooth = make_face_milled()
     start, end = tooth.motion_range
-    u = np.concatenate([p.locate(*spread(9, 9))[0] for p in tooth.patches])
-    assert start == pytest.approx(u.min() - 0.05 * np.ptp(u))
-    assert end == pytest.approx(u.max() + 0.05 * np.ptp(u))
+    phi = np.concatenate([p.pose_parameter(*p.locate(*spread(9, 9))) for p in tooth.patches])
+    assert start == pytest.approx(phi.min() - 0.05 * np.ptp(phi))
+    assert end == pytest.approx(phi.max() + 0.05 * np.ptp(phi))
     formate = make_face_milled(generated=False)
     back, full = formate.motion_range
     pose = formate.poses(np.array([back, full]), 0)
@@ -198,7 +198,7 @@ def test_the_formate_flank_is_the_heads_own_cone():
         r = np.linalg.norm(q - z[:, None] * frame.axis.value[0], axis=1)
         sign = 1.0 if side == "concave" else -1.0
         assert np.allclose(r, MEAN_RADIUS + sign * (0.5 * POINT_WIDTH + z * tan(ANGLE)), atol=1e-11)
-        assert np.array_equal(tooth.flank(side).sheet.pose_parameter(q[:, 0]), np.zeros(len(q)))
+        assert np.array_equal(tooth.flank(side).sheet.pose_parameter(r, z), np.zeros(len(q)))
 
 
 def test_impossible_teeth_are_refused():

@@ -7,20 +7,21 @@ import pytest
 
 from gearsim.cutters.profile import Element
 from gearsim.errors import InputError
-from gearsim.geometry.pose import PoseSeries
+from gearsim.geometry.pose import FrameSeries
 from gearsim.geometry.series import Series, exp, stack
-from gearsim.surfaces.generated import Envelope
+from gearsim.surfaces.rolled import RolledSurface
 from tests.helpers import observed_order
 from tests.surfaces.test_face_milled import ROLL, SETTINGS, make_face_milled
 
 
 def circling(radius):
-    """An upright tool whose axis runs round a circle about the origin."""
+    """An upright tool whose axis runs round a circle about the origin, and which does not turn itself."""
 
     def poses(phi, order):
         turn = exp(Series.variable(phi, order) * 1j)
         nil = Series(np.zeros_like(turn.c.real))
-        return PoseSeries(stack([turn.real * radius, turn.imag * radius, nil]), stack([nil, nil, nil + 1.0]))
+        tip = stack([turn.real * radius, turn.imag * radius, nil])
+        return FrameSeries(tip, stack([nil, nil, nil + 1.0]), stack([nil + 1.0, nil, nil]))
 
     return poses
 
@@ -44,8 +45,9 @@ def test_a_cylinder_on_a_circle_generates_two_cylinders(path, tool, inside):
     """
     seen = {}
     for branch in (1.0, -1.0):
-        jet = Envelope(circling(path), wall(tool, inside), branch, (-3.0, 3.0)).jet(U, V)
-        ray = np.sum(jet.r * np.column_stack([np.cos(U), np.sin(U), 0.0 * U]), axis=1)
+        sheet = RolledSurface(circling(path), circling(path), wall(tool, inside), branch)
+        jet, phi = sheet.jet(U, V), sheet.pose_parameter(U, V)
+        ray = np.sum(jet.r * np.column_stack([np.cos(phi), np.sin(phi), 0.0 * phi]), axis=1)
         seen[round(float(ray[0]), 9)] = jet
         assert np.allclose(ray, ray[0])
         assert np.allclose(jet.closing, (-1.0 if inside else 1.0) * ray * path / np.abs(ray - path))
@@ -61,9 +63,9 @@ def test_there_is_no_envelope_where_the_tool_moves_too_steeply():
     def poses(phi, order):
         t = Series.variable(phi, order)
         nil = Series(np.zeros_like(t.c))
-        return PoseSeries(stack([t * 0.1, nil, t]), stack([nil, nil, nil + 1.0]))
+        return FrameSeries(stack([t * 0.1, nil, t]), stack([nil, nil, nil + 1.0]), stack([nil + 1.0, nil, nil]))
 
-    jet = Envelope(poses, Element((1.0, 0.0), (2.0, 3.0)), 1.0, (0.0, 1.0)).jet(U, V)
+    jet = RolledSurface(poses, poses, Element((1.0, 0.0), (2.0, 3.0)), 1.0).jet(U, V)
     assert not jet.exists.any()
     assert not jet.undercut.any()
     assert np.isnan(jet.r).all()
@@ -130,14 +132,16 @@ def test_closing_is_the_second_derivative_of_the_distance(patches):
         u, v = patch.locate(np.array([0.1, 0.5, 0.9]), np.array([0.3, 0.5, 0.7]))
         jet, h = patch.jet(u, v), 4e-4
 
+        phi = patch.pose_parameter(u, v)
+
         def distance(phi, points=jet.r, tooth=tooth):
             tip, axis = (s.value for s in tooth.poses(phi, 0))
             z = _dot(points - tip, axis)
             r = np.linalg.norm(points - tip - z[:, None] * axis, axis=1)
             return tooth.head.signed_distance(r, z)
 
-        second = (distance(u + h) - 2.0 * distance(u) + distance(u - h)) / h**2
-        assert np.allclose(distance(u), 0.0, atol=1e-11)
+        second = (distance(phi + h) - 2.0 * distance(phi) + distance(phi - h)) / h**2
+        assert np.allclose(distance(phi), 0.0, atol=1e-11)
         assert np.allclose(second, jet.closing, rtol=2e-3), patch.name
 
 
@@ -145,20 +149,6 @@ def test_curves_run_along_straight_elements_only():
     fillet, still = make_face_milled().fillet("convex"), Series(np.zeros((2, 1)))
     with pytest.raises(InputError, match="only straight elements lie along rules"):
         fillet.sheet.curve(still, still)
-
-
-def test_wild_modified_roll_undercuts_and_says_so():
-    """Where the distance's second derivative is negative, other poses cut into the candidate points."""
-    tooth = make_face_milled(replace(SETTINGS, modified_roll=(0.04, -0.06, 0.05, 0.02)))
-    u = np.linspace(-0.5, 0.2, 15)
-    jet = tooth.flank("concave").jet(u, 2.0)
-    assert 3 < np.count_nonzero(jet.undercut) < 12
-    phi = np.linspace(-0.6, 0.4, 2001)
-    tip, axis = (s.value for s in tooth.poses(phi, 0))
-    for point, lost in zip(jet.r, jet.undercut, strict=True):
-        z = _dot(point - tip, axis)
-        r = np.linalg.norm(point - tip - z[:, None] * axis, axis=1)
-        assert (tooth.head.signed_distance(r, z).min() < -1e-6) or not lost
 
 
 def _dot(a, b):

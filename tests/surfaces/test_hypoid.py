@@ -122,7 +122,7 @@ def test_no_pose_cuts_deeper_than_the_closed_form_says(pinion, side, part):
     jet, cut = patch.jet(u, v), pinion.cut(side)
     least, where = least_distance(rolled(cut), cut.motion_range, jet.r)
     assert np.abs(least).max() < 1e-9
-    assert np.abs(where - u).max() < 1e-4
+    assert np.abs(where - patch.pose_parameter(u, v)).max() < 1e-4
     off = 1e-3 * jet.normal
     outside, inside = (least_distance(rolled(cut), cut.motion_range, jet.r + k * off)[0] for k in (1.0, -1.0))
     assert np.allclose(outside, -1e-3, atol=1e-5)

@@ -113,8 +113,8 @@ def test_a_cutter_wider_than_the_mouth_is_refused(path):
 def test_the_path_ends_where_the_prolonged_flank_does(published_cutter):
     """Beyond there are no poses; a run-in that would need them is refused, one that does not is unharmed."""
     path = make_path("convex", published_cutter)
-    pose = path.poses(np.array([30.0, 60.0]), 1)
+    pose = path.poses(np.array([-5.0, 60.0]), 1)
     assert np.isnan(pose.tip.c[:, 0]).all()
     assert np.allclose(pose.tip.c[:, 1], path.poses(np.array([60.0]), 1).tip.c[:, 0], atol=1e-12)
     with pytest.raises(InputError, match="the generated convex does not reach cone distance"):
-        _ = replace(path, run=25.0).motion
+        _ = replace(path, run=60.0).motion

@@ -122,7 +122,7 @@ def test_flanks_are_the_published_closed_form(tooth, side, rng):
     u, v, jet = samples(patch, rng)
     z = patch.sheet.element.at(v).z
     effective = z / cos(ANGLE) ** 2 + SIGN[side] * (MEAN_RADIUS + SIGN[side] * POINT_WIDTH / 2) * tan(ANGLE)
-    r, n, r_h, r_phi, n_h, n_phi = published_flank(tooth.generator, side, effective, u)
+    r, n, r_h, r_phi, n_h, n_phi = published_flank(tooth.generator, side, effective, patch.pose_parameter(u, v))
     assert np.allclose(r, jet.r, atol=1e-10)
     assert np.allclose(np.abs(dot(n, jet.normal)), 1.0, atol=1e-12)
     s = np.sign(dot(n, jet.normal))[:, None]
@@ -140,7 +140,7 @@ def test_fillets_are_the_published_closed_form(tooth, side, rng):
     patch = tooth.fillet(side)
     u, v, jet = samples(patch, rng)
     at = patch.sheet.element.at(v)
-    r, n = published_fillet(tooth.generator, side, np.arctan2(np.abs(at.nr), -at.nz), u)
+    r, n = published_fillet(tooth.generator, side, np.arctan2(np.abs(at.nr), -at.nz), patch.pose_parameter(u, v))
     assert np.allclose(r, jet.r, atol=1e-9)
     assert np.allclose(np.abs(dot(n, jet.normal)), 1.0, atol=1e-11)
 
@@ -188,13 +188,13 @@ def test_brute_force_finds_the_surface(tooth, name, rng):
     Points a micrometre out of the material are cut, points a micrometre inside keep their micrometre.
     """
     patch = next(p for p in tooth.patches if p.name == name)
-    u, _, jet = samples(patch, rng, 25)
+    u, v, jet = samples(patch, rng, 25)
     distance, phi = least_distance(tooth, jet.r)
     trimmed = distance < -1e-9
     assert not jet.undercut.any()
     assert not trimmed.any()
     assert np.abs(distance).max() < 1e-9
-    assert np.abs(phi - u).max() < 1e-6
+    assert np.abs(phi - patch.pose_parameter(u, v)).max() < 1e-6
     out, _ = least_distance(tooth, jet.r + 1e-3 * jet.normal)
     inside, _ = least_distance(tooth, jet.r - 1e-3 * jet.normal)
     assert np.allclose(out, -1e-3, atol=1e-6)

@@ -143,7 +143,7 @@ def on_the_blade(side):
     """s, theta and phi_p of a grid of points on the pinion's closed-form flank."""
     patch = make_pinion().flank(side)
     u, v = (a.ravel() for a in patch.locate(*np.meshgrid(np.linspace(0.0, 1.0, 7), np.linspace(0.0, 1.0, 5))))
-    phi_p = -u / M_CP
+    phi_p = -patch.pose_parameter(u, v) / M_CP
     m, point = m_pt(phi_p), patch.jet(u, v).r @ GEAR_TO_REPORT.T
     x, y, z = np.einsum("nji,nj->ni", m[:, :3, :3], point - m[:, :3, 3]).T
     return -z / np.cos(ALPHA[side]), np.arctan2(y, x), phi_p

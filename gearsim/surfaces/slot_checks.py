@@ -1,0 +1,73 @@
+"""Bevel teeth that cannot be, told before anything is cut: neighbouring slots that meet, slots beside the blank."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from math import pi
+
+import numpy as np
+
+from gearsim.errors import InputError
+from gearsim.surfaces.blank import BevelBlank
+from gearsim.surfaces.patch import ToothSurface
+
+_STATIONS = 9
+
+
+def check_slot(concave: ToothSurface, convex: ToothSurface, bottoms: Sequence[ToothSurface]) -> None:
+    """Raise InputError where a slot between two flanks leaves no tooth, or its bottom is not in the blank.
+
+    At nine stations along the face: at the tip the tooth's land, at the flanks' root the slot and the tooth beneath
+    must be wider than nothing; the bottom lands must lie under the face cone and over the rim's underside. Raises what
+    the surfaces raise where they do not reach so far.
+    """
+    for height, where in ((1.0, "tip"), (0.0, "root")):
+        _check_widths(concave, convex, height, where)
+    for bottom in bottoms:
+        _check_depth(bottom, bottom.blank)
+
+
+def _check_widths(concave: ToothSurface, convex: ToothSurface, height: float, where: str) -> None:
+    """The slot's width and what the pitch leaves of the tooth, around the axis, at one end of the flanks."""
+    length = np.linspace(0.0, 1.0, _STATIONS)
+    blank = concave.blank
+    ends = [patch.jet(*patch.locate(length, np.full(_STATIONS, height))) for patch in (concave, convex)]
+    here, there = (jet.r for jet in ends)
+    turn = np.angle((there[:, 0] + 1j * there[:, 1]) / (here[:, 0] + 1j * here[:, 1]))
+    radius = np.hypot(here[:, 0], here[:, 1])
+    into_slot = np.sign(ends[0].normal[:, 1] * here[:, 0] - ends[0].normal[:, 0] * here[:, 1])
+    slot, pitch = radius * turn * into_slot, 2.0 * pi * radius / blank.teeth
+    cone = blank.cone_height(here)[0]
+    i = int(np.argmin(slot))
+    if not slot[i] >= 0.0:
+        raise InputError(
+            f"the flanks of one slot cross at the {where}: at cone distance {cone[i]:.4g} mm it is {slot[i]:.4g} mm "
+            "wide around the gear axis; wanted is a greater point width, or smaller blade angles"
+        )
+    i = int(np.argmin(pitch - slot))
+    if not pitch[i] - slot[i] > 0.0:
+        raise InputError(
+            f"neighbouring slots overlap at the tooth's {where}: at cone distance {cone[i]:.4g} mm the slot is "
+            f"{slot[i]:.4g} mm wide around the gear axis, the pitch {pitch[i]:.4g} mm, which leaves "
+            f"{pitch[i] - slot[i]:.4g} mm of tooth; wanted is a narrower slot (point width, bottom width, blade or "
+            "pressure angles), less depth, or fewer teeth"
+        )
+
+
+def _check_depth(bottom: ToothSurface, blank: BevelBlank) -> None:
+    """The bottom land lies in the material of the blank."""
+    jet = bottom.jet(*bottom.locate(np.linspace(0.0, 1.0, _STATIONS), np.full(_STATIONS, 0.5)))
+    cone, above = blank.cone_height(jet.r)
+    depth, under = np.asarray(blank.addendum_at(cone)) - above, above + np.asarray(blank.dedendum_at(cone)) + blank.rim
+    i, j = int(np.argmin(depth)), int(np.argmin(under))
+    if not depth[i] > 0.0:
+        raise InputError(
+            f"the slot's bottom lies outside the blank: at cone distance {cone[i]:.4g} mm it is {-depth[i]:.4g} mm "
+            "over the face cone; check sliding base, machine root angle and machine centre to back"
+        )
+    if not under[j] > 0.0:
+        raise InputError(
+            f"the slot cuts the blank through: at cone distance {cone[j]:.4g} mm its bottom is "
+            f"{blank.rim - under[j]:.4g} mm under the root cone, the rim is {blank.rim:.4g} mm; check sliding base, "
+            "machine root angle and machine centre to back"
+        )
