@@ -9,13 +9,13 @@ from typing import Literal
 from pydantic import Field, model_validator
 
 from gearsim.cutters.profile import Profile
-from gearsim.scene.bevel import BevelBlankTable, GeneratorTable
+from gearsim.scene.bevel import BevelBlankTable, GeneratorTable, Turn
 from gearsim.scene.catalogue import AnyCutter
 from gearsim.scene.program import ProgramTable
 from gearsim.scene.tables import Angle, Count, Length, LengthOrZero, Scene, Table
 from gearsim.surfaces.face_milled import FaceMilledTooth
 from gearsim.surfaces.patch import SIDES, Side, Tooth
-from gearsim.surfaces.ruled_bevel import RuledBevelTooth
+from gearsim.surfaces.ruled_bevel import STRAIGHT, RuledBevelTooth
 from gearsim.toolpaths.face_milled import GeneratedFlankPath
 from gearsim.toolpaths.flank import FlankPath
 from gearsim.toolpaths.tangent import FlankPass
@@ -27,18 +27,28 @@ class RuledBevelTable(BevelBlankTable):
     kind: Literal["ruled-bevel"]
     hand: Literal["left", "right"]
     spiral_angle_deg: float = Field(ge=0.0, lt=60.0, allow_inf_nan=False)
-    lengthwise_radius_mm: Length
+    lengthwise: Literal["arc", "straight"] = "arc"
+    lengthwise_radius_mm: Length | None = None
+    tapered: bool = False
     bottom_half_width_mm: LengthOrZero
     fillet_radius_mm: LengthOrZero
     pressure_angle_deg: Angle
-    start_angle_deg: float = Field(default=0.0, allow_inf_nan=False)
+    start_angle_deg: Turn = 0.0
+
+    @model_validator(mode="after")
+    def _arcs_have_a_radius(self) -> RuledBevelTable:
+        if self.lengthwise == "arc" and self.lengthwise_radius_mm is None:
+            raise ValueError("lengthwise_radius_mm: missing (lengthwise = 'straight' needs none)")
+        if self.lengthwise == "straight" and self.lengthwise_radius_mm is not None:
+            raise ValueError("lengthwise = 'straight' has no radius; remove lengthwise_radius_mm")
+        return self
 
     def build(self) -> RuledBevelTooth:
         """The tooth slot on its blank."""
         return RuledBevelTooth(
-            self.blank(), radians(self.spiral_angle_deg), self.hand, self.lengthwise_radius_mm,
+            self.blank(), radians(self.spiral_angle_deg), self.hand, self.lengthwise_radius_mm or STRAIGHT,
             self.bottom_half_width_mm, self.fillet_radius_mm, radians(self.pressure_angle_deg),
-            radians(self.start_angle_deg),
+            radians(self.start_angle_deg), self.tapered,
         )  # fmt: skip
 
     def planner(self, side: Side, cutter: Profile, run: float) -> FlankPass:

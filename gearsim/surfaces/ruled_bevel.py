@@ -3,13 +3,17 @@
 A circular arc in the crown gear's reference plane is wound onto the pitch cone; in the plane normal to
 the generator at each of its points stands one profile: bottom land, two fillets, two straight flanks.
 The slot is symmetric in that plane, not in space: its walls are the ``convex`` and the ``concave`` flank.
+
+Not in the source: the arc may be straight (`STRAIGHT`, an arc of infinite radius), and the slot may widen with the
+cone distance, so that its width on the pitch cone is in proportion to it. Both together at a spiral angle of 0 are
+the straight bevel gear: flanks in planes through the apex.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
-from math import atan2, cos, pi, sin, tan
+from math import atan2, cos, inf, pi, sin, tan
 from typing import Literal, NamedTuple
 
 import numpy as np
@@ -23,9 +27,14 @@ from gearsim.surfaces.blank import BevelBlank
 from gearsim.surfaces.patch import Part, Side, patch_name
 from gearsim.surfaces.slot_checks import check_slot
 
+STRAIGHT = inf
+"""The lengthwise radius [mm] of a straight lengthwise line."""
+
 
 class Spine(NamedTuple):
     """Profile frames along the lengthwise curve, as series in its parameter phi (workpiece frame).
+
+    phi [rad] is the arc's angle from the mean point; on a straight line the length over the mean cone distance.
 
     ``cone`` is the cone distance [mm]; x runs along the generator, z along the pitch cone's normal,
     y = z cross x; ``origin`` is the profile's origin on the root cone.
@@ -42,7 +51,9 @@ class Spine(NamedTuple):
 class RuledBevelTooth:
     """A slot of the ruled spiral bevel gear; lengths in mm, angles in rad (Zhou tables 3.3 and 3.7).
 
-    ``hand`` is the gear's hand of spiral; ``start_angle`` turns the whole slot about the gear axis.
+    ``hand`` is the gear's hand of spiral; ``start_angle`` turns the whole slot about the gear axis. ``tapered``:
+    the slot's width on the pitch cone is in proportion to the cone distance, and ``bottom_half_width`` is that at the
+    mean cone distance; else one profile stands all along.
     """
 
     blank: BevelBlank
@@ -53,6 +64,7 @@ class RuledBevelTooth:
     fillet_radius: float
     pressure_angle: float
     start_angle: float = 0.0
+    tapered: bool = False
 
     def __post_init__(self) -> None:
         problems = []
@@ -65,6 +77,14 @@ class RuledBevelTooth:
                 f"the fillet ends at height {self.fillet_height:.3g} mm, above the tooth's tip at the toe "
                 f"({self.blank.whole_depth_at(self.blank.toe):.3g} mm): the working flank would be empty"
             )
+        if not self.lengthwise_radius > 0.0:
+            problems.append(f"the lengthwise radius {self.lengthwise_radius:g} mm must be positive")
+        narrowest = self.bottom_half_width + min(self.widening * k * self.blank.face_width for k in (-0.5, 0.5))
+        if not problems and narrowest < 0.0:
+            problems.append(
+                f"the bottom half width {self.bottom_half_width:g} mm at the mean cone distance must be at least "
+                f"{self.bottom_half_width - narrowest:.4g} mm: the tapered slot has no bottom at its narrow end"
+            )
         if problems:
             raise InputError("impossible ruled tooth: " + "; ".join(problems))
 
@@ -74,6 +94,22 @@ class RuledBevelTooth:
         return (0.5 * pi - self.spiral_angle) * (1.0 if self.hand == "left" else -1.0)
 
     @property
+    def widening(self) -> float:
+        """Growth of the slot's half width over the cone distance, where it is tapered.
+
+        At height 0 over the pitch cone it is to be w R / R_mean; the root cone's slope takes its share of that.
+        """
+        if not self.tapered:
+            return 0.0
+        blank, slope = self.blank, tan(self.pressure_angle)
+        at_pitch = float(self.half_width(blank.dedendum_at(blank.mean)))
+        return at_pitch / blank.mean - slope * tan(blank.pitch - blank.root_angle)
+
+    def shift(self, spine: Spine) -> Series:
+        """What the taper adds to the slot's half width [mm] along the spine."""
+        return (spine.cone - self.blank.mean) * self.widening
+
+    @property
     def _centre(self) -> complex:
         """The lengthwise circle's centre in the crown plane (Zhou 3.18), mean point on the real axis."""
         return self.blank.mean - self.lengthwise_radius * complex(cos(self._turn), sin(self._turn))
@@ -81,8 +117,10 @@ class RuledBevelTooth:
     def phi_at(self, cone: NDArray | float) -> NDArray:
         """Lengthwise parameters [rad] at which the curve reaches cone distances [mm] (inverse of 3.22).
 
-        Raises InputError where the circle never comes that far in or out.
+        Raises InputError where the circle or line never comes that far in or out.
         """
+        if self.lengthwise_radius == STRAIGHT:
+            return self._along_the_line(np.asarray(cone, dtype=float))
         centre, radius = self._centre, self.lengthwise_radius
         cosine = (np.asarray(cone) ** 2 - abs(centre) ** 2 - radius**2) / (2.0 * radius * abs(centre))
         if np.abs(cosine).max(initial=0.0) > 1.0:
@@ -94,14 +132,28 @@ class RuledBevelTooth:
         at_mean = (self._turn - atan2(centre.imag, centre.real) + pi) % (2.0 * pi) - pi
         return np.copysign(np.arccos(cosine), at_mean) - at_mean
 
+    def _along_the_line(self, cone: NDArray) -> NDArray:
+        """As `phi_at`, on a straight line: it comes as near to the apex as its foot."""
+        mean, lean = self.blank.mean, -sin(self._turn)
+        foot = mean * abs(cos(self._turn))
+        if cone.min(initial=np.inf) < foot:
+            raise InputError(
+                f"the straight lengthwise line stays beyond cone distance {foot:.4g} mm; {cone.min():.4g} mm is needed"
+            )
+        return -lean + np.copysign(np.sqrt(np.maximum(cone**2 - foot**2, 0.0)) / mean, lean)
+
     def spine(self, phi: NDArray, order: int) -> Spine:
         """Profile frames at lengthwise parameters phi [rad], shape (n,), to a derivative order.
 
         Zhou 3.19-3.25 and 3.36-3.38. The crown-plane point is a complex number, whose logarithm holds the
         cone distance and the polar angle with all their derivatives (3.44; 3.26 prints cos for csc).
         """
-        turn = Series.variable(phi, order) + self._turn
-        crown = self.lengthwise_radius * series.exp(turn * 1j) + self._centre
+        if self.lengthwise_radius == STRAIGHT:
+            way = 1j * complex(cos(self._turn), sin(self._turn)) * self.blank.mean
+            crown = Series.variable(phi, order) * way + self.blank.mean
+        else:
+            turn = Series.variable(phi, order) + self._turn
+            crown = self.lengthwise_radius * series.exp(turn * 1j) + self._centre
         polar = series.log(crown)
         cone = series.exp(polar.real)
         pitch = self.blank.pitch
@@ -207,12 +259,20 @@ class ToothPatch:
         y = (sign * tooth.fillet_radius) * turn.imag + sign * tooth.bottom_half_width
         return y, (-tooth.fillet_radius) * turn.real + tooth.fillet_radius
 
+    def wall(self, spine: Spine) -> tuple[Series, Series]:
+        """Origin and y direction of the profile along the spine: the taper moves walls, and stretches the bottom."""
+        shift = self.tooth.shift(spine)
+        if self.part == "bottom":
+            half = self.tooth.bottom_half_width
+            return spine.origin, spine.y * (shift * (1.0 / half) + 1.0).column if half else spine.y
+        return spine.origin + spine.y * (shift * self.tooth.side_sign(self.side)).column, spine.y
+
     def jet(self, phi: NDArray, v: NDArray) -> SurfaceJet:
         """Points and derivatives, each of shape (n, 3), at parameters phi [rad] and v, shape (n,)."""
         phi, v = np.broadcast_arrays(np.asarray(phi, dtype=float), np.asarray(v, dtype=float))
         spine = self.tooth.spine(phi, 2)
         y, z = (s.column.derivatives() for s in self.section(Series.variable(v, 2)))
-        o, ey, ez = (s.derivatives() for s in (spine.origin, spine.y, spine.z))
+        o, ey, ez = (s.derivatives() for s in (*self.wall(spine), spine.z))
         lengthwise = [o[k] + y[0] * ey[k] + z[0] * ez[k] for k in range(3)]
         return SurfaceJet(
             lengthwise[0], lengthwise[1], y[1] * ey[0] + z[1] * ez[0], lengthwise[2],
@@ -258,7 +318,7 @@ class ToothPatch:
         spine = self.tooth.spine(phi, 1)
         height = v if self.part == "flank" else np.full(np.shape(v), self.tooth.fillet_height)
         across = self.tooth.across(spine)
-        slot = np.asarray(self.tooth.half_width(height)) * across
+        slot = (np.asarray(self.tooth.half_width(height)) + self.tooth.shift(spine).value) * across
         radius = np.hypot(*spine.origin.value[:, :2].T) + height * cos(self.tooth.blank.pitch)
         return pi * radius / self.tooth.blank.teeth * across - slot, slot
 

@@ -54,10 +54,11 @@ class FlankPath:
             self.contact_height(0.0)
         )  # fmt: skip
         y = h * slope + sign * float(tooth.half_width(0.0))
-        along = spine.origin.derivative() + y.column * spine.y.derivative() + h.column * spine.z.derivative()
+        origin, _ = tooth.flank(self.side).wall(spine)
+        along = origin.derivative() + y.column * spine.y.derivative() + h.column * spine.z.derivative()
         rule = spine.y * slope + spine.z
         into_gear = series.unit(series.cross(along, rule)) * -tooth.flank(self.side).orientation
-        contact = spine.origin + spine.y * y.column + spine.z * h.column
+        contact = origin + spine.y * y.column + spine.z * h.column
         distance = (h - tooth.fillet_height) * (1.0 / cos(tooth.pressure_angle))
         return tangent_pose(self.cutter, contact, series.unit(rule), into_gear, distance)
 
