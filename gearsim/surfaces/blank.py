@@ -17,6 +17,8 @@ from numpy.typing import NDArray
 from gearsim.errors import InputError
 from gearsim.geometry.turned import Turned
 
+_NARROWEST = 1e-6
+
 
 def pitch_angle(teeth: int, mate_teeth: int, shaft_angle: float) -> float:
     """Pitch angle [rad] of a bevel gear from the tooth numbers and the shaft angle [rad]."""
@@ -50,10 +52,10 @@ class BevelBlank:
 
     def __post_init__(self) -> None:
         problems = []
-        if not 0.0 < self.face_width < self.cone_distance:
+        if not _NARROWEST * self.cone_distance <= self.face_width < self.cone_distance:
             problems.append(
-                f"face width {self.face_width:g} mm must be positive and below the cone distance "
-                f"{self.cone_distance:g} mm"
+                f"face width {self.face_width:g} mm must be at least {_NARROWEST:g} of the cone distance "
+                f"{self.cone_distance:g} mm and below it"
             )
         if not 0.0 < self.root_angle <= self.pitch <= self.face_angle < pi:
             problems.append(

@@ -22,7 +22,7 @@ from gearsim.geometry.pose import PoseSeries
 from gearsim.machines.generator import CradleGenerator
 from gearsim.surfaces.blank import BevelBlank
 from gearsim.surfaces.generated import HeadSurface, Sheet
-from gearsim.surfaces.patch import Part, Side, patch_name
+from gearsim.surfaces.patch import SIDES, Part, Side
 from gearsim.surfaces.rolled import RolledSurface
 from gearsim.surfaces.slot_checks import check_slot
 from gearsim.surfaces.slot_patch import GeneratedPatch, face_run, never_cuts
@@ -92,7 +92,7 @@ class FaceMilledTooth:
             if run is not None:
                 found[run.at_mean] = sheet
         if not found:
-            raise InputError(never_cuts(self.blank, patch_name(part, side), self.reach(side)))
+            raise InputError(never_cuts(self.blank, f"{side} {part}", self.reach(side)))
         return found[min(found)]
 
     def element(self, part: Part, side: Side) -> Element | SharpEdge:
@@ -118,16 +118,16 @@ class FaceMilledTooth:
 
     def flank(self, side: Side) -> GeneratedPatch:
         """The working flank of one side."""
-        return GeneratedPatch(self, "flank", side)
+        return self._parts["flank", side]
 
     def fillet(self, side: Side) -> GeneratedPatch:
         """The fillet of one side, cut by the blade's edge radius, or by its sharp edge as it passes."""
-        return GeneratedPatch(self, "fillet", side)
+        return self._parts["fillet", side]
 
     @property
     def bottom(self) -> GeneratedPatch:
         """The bottom land, cut by the head's tip plane; from the concave wall to the convex one."""
-        return GeneratedPatch(self, "bottom", "convex")
+        return self._parts["bottom", "convex"]
 
     @property
     def patches(self) -> list[GeneratedPatch]:
@@ -138,6 +138,12 @@ class FaceMilledTooth:
         fillets = self.generated or not self.sharp
         concave, convex = ([self.flank(side), *[self.fillet(side)] * fillets] for side in ("concave", "convex"))
         return [*concave, self.bottom, *reversed(convex)]
+
+    @cached_property
+    def _parts(self) -> dict[tuple[Part, Side], GeneratedPatch]:
+        """Patches made once, for each looks its tooth up on its sheet."""
+        parts: tuple[Part, ...] = ("flank", "fillet", "bottom")
+        return {(part, side): GeneratedPatch(self, part, side) for part in parts for side in SIDES}
 
     def check(self) -> None:
         """Raise InputError for a slot that no gear has (`check_slot`)."""

@@ -14,6 +14,7 @@ the shafts cross: machine_centre_to_back counts from the apex.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 from numpy.typing import NDArray
 
@@ -22,7 +23,7 @@ from gearsim.geometry.pose import FrameSeries
 from gearsim.surfaces.blank import BevelBlank
 from gearsim.surfaces.face_milled import FaceMilledTooth
 from gearsim.surfaces.generated import Sheet
-from gearsim.surfaces.patch import Part, Side
+from gearsim.surfaces.patch import SIDES, Part, Side
 from gearsim.surfaces.slot_checks import check_slot
 from gearsim.surfaces.slot_patch import GeneratedPatch
 
@@ -72,17 +73,23 @@ class HypoidPinion:
         """Where that side's head passes, in words."""
         return self.cut(side).reach(side)
 
+    @cached_property
+    def _parts(self) -> dict[tuple[Part, Side], GeneratedPatch]:
+        """Patches made once, for each looks its tooth up on its sheet."""
+        parts: tuple[Part, ...] = ("flank", "fillet")
+        return {(part, side): GeneratedPatch(self, part, side) for part in parts for side in SIDES}
+
     def check(self) -> None:
         """Raise InputError for a slot that no pinion has (`check_slot`)."""
         check_slot(self.flank("concave"), self.flank("convex"), [cut.bottom for cut in (self.concave, self.convex)])
 
     def flank(self, side: Side) -> GeneratedPatch:
         """The working flank of one side."""
-        return GeneratedPatch(self, "flank", side)
+        return self._parts["flank", side]
 
     def fillet(self, side: Side) -> GeneratedPatch:
         """The fillet of one side, cut by the blade's edge radius."""
-        return GeneratedPatch(self, "fillet", side)
+        return self._parts["fillet", side]
 
     @property
     def patches(self) -> list[GeneratedPatch]:

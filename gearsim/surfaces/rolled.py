@@ -145,28 +145,37 @@ class RolledSurface:
 
     def _plain_roll(self, u: NDArray, m: MeridianPoints) -> NDArray:
         """Where a + b cos phi + c sin phi = 0 on this branch, within half a turn of 0."""
-        poses = [FrameSeries(*(Series(s.c[:, i : i + 1]) for s in self._thirds)) for i in range(3)]
-        still, ahead, back = (_carried(pose, u, m).meeting for pose in poses)
-        a, speed = (still + ahead + back) / 3.0, np.linalg.norm(_carried(poses[0], u, m).r[1], axis=1)
-        b, c = still - a, (ahead - back) / np.sqrt(3.0)
-        swing = np.hypot(b, c)
+        travel, turning = self._thirds
+        c, s = np.cos(u), np.sin(u)
+        n, q = np.stack([m.nr * c, m.nr * s, m.nz], axis=-1), np.stack([m.r * c, m.r * s, m.z], axis=-1)
+        still, ahead, back = (n @ t + np.sum((n @ w) * q, axis=1) for t, w in zip(travel, turning, strict=True))
+        mean = (still + ahead + back) / 3.0
+        cosine, sine = still - mean, (ahead - back) / np.sqrt(3.0)
+        swing, speed = np.hypot(cosine, sine), np.linalg.norm(travel[0]) + np.linalg.norm(turning[0] @ q.T, axis=0)
         with np.errstate(invalid="ignore", divide="ignore"):
-            phi = np.arctan2(c, b) + self.branch * np.arccos(np.where(swing > PARALLEL * speed, -a / swing, np.nan))
-        return (phi + pi) % (2.0 * pi) - pi
+            reach = np.arccos(np.where(swing > PARALLEL * speed, -mean / swing, np.nan))
+        return (np.arctan2(sine, cosine) + self.branch * reach + pi) % (2.0 * pi) - pi
 
     @cached_property
-    def _thirds(self) -> FrameSeries:
-        return self.plain(_THIRDS, 1)
+    def _thirds(self) -> tuple[NDArray, NDArray]:
+        """Rates of tip, shape (3, 3), and frame, shape (3, 3, 3), in the frame itself at three poses."""
+        tip, axis, x, y = (s.derivatives() for s in _axes(self.plain(_THIRDS, 1)))
+        frame, rate = (np.stack([x[k], y[k], axis[k]], axis=-1) for k in range(2))
+        return np.einsum("kij,ki->kj", frame, tip[1]), np.einsum("kij,kil->kjl", frame, rate)
+
+
+def _axes(frame: FrameSeries) -> tuple[Series, Series, Series, Series]:
+    """Tip, axis, x and y of a frame."""
+    return frame.tip, frame.axis, frame.radial, series.cross(frame.axis, frame.radial)
 
 
 def _carried(frame: FrameSeries, u: NDArray, m: MeridianPoints) -> _Carried:
-    """Points of the head at angles u about its axis under frames, one for each or one for all."""
-    y = series.cross(frame.axis, frame.radial)
+    """Points of the head at angles u about its axis under frames, one for each."""
     r, z, nr, nz = (a[:, None] for a in m[:4])
     c, s = np.cos(u)[:, None], np.sin(u)[:, None]
-    tip, axis, x, side = (t.derivatives() for t in (frame.tip, frame.axis, frame.radial, y))
-    out = [c * a + s * b for a, b in zip(x, side, strict=True)]
-    around = [c * b - s * a for a, b in zip(x, side, strict=True)]
+    tip, axis, x, y = (t.derivatives() for t in _axes(frame))
+    out = [c * a + s * b for a, b in zip(x, y, strict=True)]
+    around = [c * b - s * a for a, b in zip(x, y, strict=True)]
     up = [nr * a - nz * o for a, o in zip(axis, out, strict=True)]
     point = [t + z * a + r * o for t, a, o in zip(tip, axis, out, strict=True)]
     return _Carried(point, [nr * o + nz * a for a, o in zip(axis, out, strict=True)], out, around, up)

@@ -6,10 +6,11 @@ from collections.abc import Sequence
 from math import pi
 
 import numpy as np
+from numpy.typing import NDArray
 
 from gearsim.errors import InputError
 from gearsim.surfaces.blank import BevelBlank
-from gearsim.surfaces.patch import ToothSurface
+from gearsim.surfaces.patch import Jet, ToothSurface
 
 _STATIONS = 9
 
@@ -21,10 +22,10 @@ def check_slot(concave: ToothSurface, convex: ToothSurface, bottoms: Sequence[To
     must be wider than nothing; the bottom lands must lie under the face cone and over the rim's underside. Raises what
     the surfaces raise where they do not reach so far.
     """
-    for height, where in ((1.0, "tip"), (0.0, "root")):
-        _check_widths(concave, convex, height, where)
     for bottom in bottoms:
         _check_depth(bottom, bottom.blank)
+    for height, where in ((1.0, "tip"), (0.0, "root")):
+        _check_widths(concave, convex, height, where)
 
 
 def _check_widths(concave: ToothSurface, convex: ToothSurface, height: float, where: str) -> None:
@@ -46,12 +47,20 @@ def _check_widths(concave: ToothSurface, convex: ToothSurface, height: float, wh
         )
     i = int(np.argmin(pitch - slot))
     if not pitch[i] - slot[i] > 0.0:
+        across = _spiral_cosine(blank, ends[0])[i] * (slot[i] - pitch[i])
         raise InputError(
             f"neighbouring slots overlap at the tooth's {where}: at cone distance {cone[i]:.4g} mm the slot is "
             f"{slot[i]:.4g} mm wide around the gear axis, the pitch {pitch[i]:.4g} mm, which leaves "
-            f"{pitch[i] - slot[i]:.4g} mm of tooth; wanted is a narrower slot (point width, bottom width, blade or "
-            "pressure angles), less depth, or fewer teeth"
+            f"{pitch[i] - slot[i]:.4g} mm of tooth; wanted is a slot narrower by more than {across:.4g} mm, measured "
+            "across (point width, bottom width, blade or pressure angles), less depth, or fewer teeth"
         )
+
+
+def _spiral_cosine(blank: BevelBlank, jet: Jet) -> NDArray:
+    """Cosine of the angle between flank traces on the cone and the cone's generator."""
+    generator, normal = blank.cone_directions(jet.r)
+    trace = np.cross(jet.normal, normal)
+    return np.abs(np.sum(trace * generator, axis=1)) / np.linalg.norm(trace, axis=1)
 
 
 def _check_depth(bottom: ToothSurface, blank: BevelBlank) -> None:

@@ -199,7 +199,7 @@ class GeneratedPatch:
     def _run(self) -> FaceRun:
         run = face_run(self.sheet, self.blank, self._middle)
         if run is None:
-            raise InputError(never_cuts(self.blank, self.name, self.tooth.reach(self.side)))
+            raise InputError(never_cuts(self.blank, f"{self.side} {self.part}", self.tooth.reach(self.side)))
         return run
 
     def _solve(self, cone: NDArray, target: NDArray, by_height: bool) -> tuple[NDArray, NDArray]:

@@ -13,6 +13,8 @@ from gearsim.geometry.pose import PoseSeries
 from gearsim.geometry.series import Series
 from gearsim.motion.sources import CLMotion, CurveMotion
 
+_MOST_POINTS = 100_000
+
 
 class FlankPass(Protocol):
     """The pass that finishes one flank of a tooth from toe to heel."""
@@ -52,6 +54,12 @@ def cl_points(motion: CurveMotion, toe: float, heel: float, points: int) -> CLMo
     if points < 2:
         raise InputError(f"CL data needs at least 2 points over the face, got {points}")
     step = (heel - toe) / (points - 1)
+    longest = max(abs(motion.start - toe), abs(motion.end - heel))
+    if not longest <= _MOST_POINTS * abs(step):
+        raise InputError(
+            f"the run before toe and after heel is more than {_MOST_POINTS} times as long as the spacing of the "
+            f"{points} CL points over the face; wanted is a wider face, a shorter run, or fewer points"
+        )
     before = int(np.ceil((motion.start - toe) / -step - 1e-9))
     after = int(np.ceil((motion.end - heel) / step - 1e-9))
     pose = motion.curve(toe + step * np.arange(-before, points + after), 0)
