@@ -22,6 +22,7 @@ def check_slot(concave: ToothSurface, convex: ToothSurface, bottoms: Sequence[To
     must be wider than nothing; the bottom lands must lie under the face cone and over the rim's underside. Raises what
     the surfaces raise where they do not reach so far.
     """
+    _ = concave.blank.stock  # refuses a rim that reaches past the axis
     for bottom in bottoms:
         _check_depth(bottom, bottom.blank)
     for height, where in ((1.0, "tip"), (0.0, "root")):

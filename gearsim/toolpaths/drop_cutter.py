@@ -18,6 +18,7 @@ from gearsim.cutters.contact import locate
 from gearsim.cutters.profile import Profile
 from gearsim.errors import InputError
 from gearsim.surfaces.nurbs import NurbsSurface
+from gearsim.toolpaths.counts import check_count
 from gearsim.toolpaths.sculptured import AXIS, SculpturedPath, Touches, refined
 
 _KEEP = 3  # places where a tool may touch that are looked into
@@ -86,6 +87,7 @@ def drop_path(
     reach = 0.999 * cutter.max_radius
     low, high = net.min(axis=0) - reach, net.max(axis=0) + reach
     run = int(along == "y")
+    check_count(float((high - low)[1 - run]), stepover)
     across = np.linspace(low[1 - run], high[1 - run], int(np.ceil((high - low)[1 - run] / stepover)) + 1)
 
     def touch(line: NDArray, place: NDArray) -> Touches:

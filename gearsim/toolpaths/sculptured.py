@@ -20,6 +20,7 @@ from gearsim.cutters.profile import Profile
 from gearsim.errors import InputError
 from gearsim.motion.sources import CLMotion
 from gearsim.surfaces.nurbs import NurbsSurface
+from gearsim.toolpaths.counts import check_count
 
 AXIS = np.array([0.0, 0.0, 1.0])
 _ROUNDS = 10
@@ -139,4 +140,5 @@ def _line_count(surface: NurbsSurface, stepover: float, along: str, margin: floa
     u, v = surface.locate(*shares)
     r = surface.jet(u.ravel(), v.ravel()).r.reshape(_PROBES, _PROBES, 3)
     fastest = float(np.max(np.linalg.norm(np.diff(r, axis=0), axis=2))) * (_PROBES - 1)
+    check_count(fastest, stepover)
     return max(2, int(np.ceil(fastest / stepover)) + 1)

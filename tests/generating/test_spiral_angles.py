@@ -48,7 +48,6 @@ def refusal(scene, overrides):
     ("override", "message"),
     [
         ("surface.kind=[]", "surface.kind: got []"),
-        ("surface.teeth=60", "slots overlap at the tooth's tip"),
         ("surface.face_width_mm=1e-9", "face width 1e-09 mm must be at least 1e-06 of the cone distance"),
         ("cutter.point_width_mm=6.0", "slots overlap at the tooth's tip"),
         ("cutter.radius_mm=1000.0", "its tip circle passes the cradle axis at 9"),
@@ -57,14 +56,14 @@ def refusal(scene, overrides):
         ("generator.sliding_base_mm=9.0", "bottom lies outside the blank"),
         ("generator.modified_roll=[nan]", "modified_roll"),
         ("generator.radial_distance_mm=0.0", "its tip circle passes the cradle axis at 63"),
-        ("surface.rim_mm=1e4", "rim"),
+        ("surface.rim_mm=1e4", "rim 10000 mm reaches past the gear axis; it must be below"),
     ],
 )
 def test_teeth_that_cannot_be_are_refused_before_the_cut(override, message):
     assert message in refusal("spiral-bevel-face-milled", (override,))
 
 
-VALUES = ("0", "-1.0", "1e-9", "1e300", "nan", "-inf", "true", '"x"', "[]")
+VALUES = ("0", "-1.0", "1e-9", "nan", "-inf", "[]")
 
 
 @pytest.mark.parametrize("scene", ["spiral-bevel-formate", "hypoid-pinion-phoenix"])

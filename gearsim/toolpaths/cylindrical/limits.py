@@ -15,6 +15,7 @@ from numpy.typing import ArrayLike, NDArray
 from gearsim.errors import InputError
 from gearsim.surfaces.cylindrical_gear import CylindricalGear, Side, flank_sign
 from gearsim.surfaces.tool_access import reachable_roll, tool_diameter_at
+from gearsim.toolpaths.counts import check_count
 from gearsim.toolpaths.cylindrical.steps import descent
 
 TIP_CLEARANCE_MM = 0.5  # between tool and tip cylinder where a pass begins or ends in the open
@@ -94,6 +95,7 @@ def stock_layers(gear: CylindricalGear, tool_radius: float, stock: float, step: 
     first = scale * mouth - 2.0 * tool_radius
     if not gear.is_internal:
         first = max(first, scale * (mouth - bottom))
+    check_count(max(first, stock) - stock, step)
     layers = np.arange(stock, max(first, stock) + 1e-9, step)
     if first - layers[-1] > 1e-6:
         layers = np.append(layers, first)

@@ -11,6 +11,7 @@ from gearsim.errors import InputError
 from gearsim.machines.chain import Machine
 from gearsim.programs.blocks import Blocks
 from gearsim.programs.operation import Operation
+from gearsim.toolpaths.counts import check_count
 from gearsim.toolpaths.cylindrical.axes import GearTable
 from gearsim.toolpaths.cylindrical.feed import SHORTEST_S, block_seconds
 from gearsim.toolpaths.cylindrical.order import straight, told_time
@@ -141,6 +142,7 @@ def _helix(above: float, z: float, axial_step: float) -> list[float]:
 
 def _spread(width: float, step: float) -> np.ndarray:
     """0 to ``width`` in equal steps."""
+    check_count(width, step)
     return np.linspace(0.0, width, (ceil(width / step - 1e-9) if width > 1e-9 else 0) + 1)
 
 

@@ -9,6 +9,8 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from gearsim.toolpaths.counts import check_count
+
 Spacing = Literal["arc", "roll"]
 
 
@@ -35,7 +37,8 @@ def with_points(rolls: NDArray, wanted: Sequence[float]) -> NDArray:
 
 
 def parts(length: float, step: float) -> int:
-    """Into how many equal parts of at most ``step`` a length is divided."""
+    """Into how many equal parts of at most ``step`` a length is divided. Raises InputError for too many."""
+    check_count(length, step, "mm (or rad of roll)")
     return max(1, ceil(length / step - 1e-9))
 
 
