@@ -68,6 +68,8 @@ class MillsTable(Table):
         """(R, r) [mm], shape (m, 2), the largest first. Raises InputError for a corner larger than its mill."""
         if isinstance(self.mills, str):
             return khan_mills() if self.mills == "khan" else metric_mills()
+        if not self.mills:
+            raise InputError("catalogue.mills: got []; wanted are 'khan', 'metric', or one or more pairs R, r [mm]")
         mills = np.array(self.mills)
         for shank, corner in mills:
             if corner > shank:

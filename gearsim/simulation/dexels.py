@@ -13,6 +13,8 @@ from gearsim.geometry.rigid import Rigid
 from gearsim.geometry.turned import Turned
 from gearsim.simulation.intervals import IntervalSet, subtract
 
+_MOST_CELLS = 20_000
+
 
 @dataclass(frozen=True)
 class DexelBox:
@@ -26,6 +28,12 @@ class DexelBox:
     def __post_init__(self) -> None:
         if not np.all(self.upper - self.lower >= self.pitch):
             raise InputError(f"dexel pitch {self.pitch:g} mm is larger than the box {self.upper - self.lower} mm")
+        longest = float(np.max(self.upper - self.lower))
+        if not longest <= _MOST_CELLS * self.pitch:
+            raise InputError(
+                f"dexel pitch {self.pitch:g} mm is too fine: the box is {longest:.4g} mm long; wanted is at least "
+                f"{longest / _MOST_CELLS:.2g} mm"
+            )
 
     @property
     def counts(self) -> NDArray[np.integer]:

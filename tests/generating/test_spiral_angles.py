@@ -7,7 +7,7 @@ import pytest
 
 from gearsim import generating
 from gearsim.errors import InputError
-from gearsim.runner import run
+from gearsim.runner import estimate, run
 from gearsim.scene import load_scene
 
 SMALL = ("metrology.rows=2", "metrology.columns=4", "simulation.dexel_pitch_mm=2.5")
@@ -61,6 +61,19 @@ def refusal(scene, overrides):
 )
 def test_teeth_that_cannot_be_are_refused_before_the_cut(override, message):
     assert message in refusal("spiral-bevel-face-milled", (override,))
+
+
+def test_steps_and_pitches_that_make_too_many_are_refused():
+    for scene, override, message in (
+        ("spiral-bevel-formate", "simulation.dexel_pitch_mm=1e-300", "dexel pitch 1e-300 mm is too fine"),
+        ("gouge-size-vertical-cylinder", "toolpath.stepover_mm=1e-9", "wanted is a step of at least 0.00032 mm"),
+        ("gouge-size-vertical-cylinder", "catalogue.mills=[]", "catalogue.mills: got []"),
+        ("spur-external", "toolpath.finishing.involute_step_mm=1e-9", "wanted is a step of at least"),
+        ("spiral-bevel-flank", "toolpath.run_mm=99999.0", "lengthwise circle"),
+    ):
+        with pytest.raises(InputError) as refused:
+            estimate(*load_scene(scene, (override,)))
+        assert message in str(refused.value), override
 
 
 VALUES = ("0", "-1.0", "1e-9", "nan", "-inf", "[]")
