@@ -16,6 +16,7 @@ from gearsim.envelope.seeds import (
     Guess,
     angle_seeds,
     distinct,
+    edge_seeds,
     envelope_seeds,
     joined,
     pose_seeds,
@@ -75,22 +76,27 @@ def all_candidates(rays: RayBundle, source: MotionSource, cutter: Profile, thoro
 
     Looks near the rays' origins, where a measured surface lies; ``thorough`` looks along the whole windows.
     """
-    found, at_joints = _envelope_crossings(rays, source, cutter, thorough)
+    closest = pose_seeds(rays, source, cutter) if thorough else None
+    found, at_joints = _envelope_crossings(rays, source, cutter, closest)
     if thorough:
         at_joints = standing_tools(rays, source, cutter)
     parts = [found, _pose_crossings(rays, source, cutter, at_joints)]
     edges = _circles(cutter, thorough)
     if edges:
-        parts.append(_edge_crossings(rays, source, cutter, edges, thorough))
+        parts.append(_edge_crossings(rays, source, cutter, edges, closest))
     joined = _joined(parts)
     inside = (joined.tau >= rays.start[joined.ray]) & (joined.tau <= rays.end[joined.ray])
     return Crossings(*(column[inside] for column in joined))
 
 
 def _envelope_crossings(
-    rays: RayBundle, source: MotionSource, cutter: Profile, thorough: bool
+    rays: RayBundle, source: MotionSource, cutter: Profile, closest: tuple[Guess, NDArray] | None
 ) -> tuple[Crossings, tuple[NDArray, NDArray]]:
-    """ENVELOPE crossings, and the (ray, joint) pairs where a contact may have run off its piece."""
+    """ENVELOPE crossings, and the (ray, joint) pairs where a contact may have run off its piece.
+
+    A thorough search starts from the ``closest`` poses, too.
+    """
+    thorough = closest is not None
 
     def jet(piece: NDArray, t: NDArray, element: NDArray, s: NDArray, branch: NDArray) -> JetPoints:
         at = envelope_points(source, cutter, piece, t, element, s, branch)
@@ -98,8 +104,8 @@ def _envelope_crossings(
 
     seeds = distinct(envelope_seeds(rays, source, cutter, thorough), thorough)
     walked = _newton(rays, jet, seeds, _WALKS, source.pieces)[0]
-    if thorough:
-        walked = joined([pose_seeds(rays, source, cutter), walked])
+    if closest is not None:
+        walked = joined([closest[0], walked])
     guess = distinct(with_neighbours(walked, source.pieces, _BEYOND), thorough)
     solved, tau, settled = _newton(rays, jet, guess, _STEPS)
     early, late = ~settled | (solved.t < _JOINT_SLACK), ~settled | (solved.t > 1.0 - _JOINT_SLACK)
@@ -141,14 +147,16 @@ def _circles(cutter: Profile, thorough: bool) -> tuple[int, ...]:
 
 
 def _edge_crossings(
-    rays: RayBundle, source: MotionSource, cutter: Profile, edges: tuple[int, ...], thorough: bool
-) -> Crossings:
-    """EDGE crossings: circles of the profile swept along the motion."""
+    rays: RayBundle, source: MotionSource, cutter: Profile, edges: tuple[int, ...],
+    closest: tuple[Guess, NDArray] | None,
+) -> Crossings:  # fmt: skip
+    """EDGE crossings: circles of the profile swept along the motion; thorough ones start from the ``closest`` poses."""
 
     def jet(piece: NDArray, t: NDArray, edge: NDArray, angle: NDArray, _: NDArray | None = None) -> JetPoints:
         return edge_jet(source, cutter, piece, t, edge, angle)
 
-    solved, tau, settled = _solve_angles(rays, source, cutter, edges, jet, thorough)
+    extra = edge_seeds(source, edges, *closest) if closest is not None else None
+    solved, tau, settled = _solve_angles(rays, source, cutter, edges, jet, closest is not None, extra)
     good = settled & _within(solved.t, 1.0)
     n = int(good.sum())
     return Crossings(
@@ -158,10 +166,12 @@ def _edge_crossings(
 
 
 def _solve_angles(
-    rays: RayBundle, source: MotionSource, cutter: Profile, elements: Sequence[int], jet: Jet, thorough: bool
-) -> tuple[Guess, NDArray, NDArray]:
-    """Newton's method on surfaces over (t, angle about the axis), from their nearest points."""
+    rays: RayBundle, source: MotionSource, cutter: Profile, elements: Sequence[int], jet: Jet, thorough: bool,
+    extra: Guess | None = None,
+) -> tuple[Guess, NDArray, NDArray]:  # fmt: skip
+    """Newton's method on surfaces over (t, angle about the axis), from their nearest points and ``extra`` ones."""
     seeds = angle_seeds(rays, source, cutter, elements, jet, thorough)
+    seeds = joined([extra, seeds]) if extra is not None else seeds
     guess = with_neighbours(seeds, source.pieces, _BEYOND)
     return _newton(rays, jet, distinct(guess, fine=True, scale=max(1.0, cutter.max_radius / _WIDE)), _STEPS)
 

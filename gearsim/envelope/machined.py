@@ -20,6 +20,7 @@ from gearsim.motion.sources import MotionSource
 TRIM_TOLERANCE = 1e-9
 _CLEAR = 2.0 * TRIM_TOLERANCE  # farther off, a distance is not needed exactly
 _CHECKED = 1e-3
+_BEFORE = 1e-6
 _SLICED = 256
 
 
@@ -98,13 +99,17 @@ def _search(
 def _passes_a_crossing(
     rays: RayBundle, sources: Sequence[MotionSource], cutter: Profile, inside: NDArray, deviation: NDArray
 ) -> NDArray:
-    """Whether points on the way from the origin to the crossing lie in the other state than the origin."""
-    long = np.flatnonzero(np.abs(np.nan_to_num(deviation)) > _CHECKED)
+    """Whether points on the way from the origin to the crossing lie in the other state than the origin.
+
+    A crossing behind a missed one leads back: a nanometre before it, too, the state is the other one.
+    """
+    way = np.abs(np.nan_to_num(deviation))
     passes = np.zeros(len(rays), dtype=bool)
-    for fraction in (0.25, 0.5, 0.75, 0.95):
-        points = rays.origin[long] + (fraction * deviation[long])[:, None] * rays.direction[long]
-        distance = _least_distance(sources, cutter, points)
-        passes[long] |= np.where(inside[long], distance > TRIM_TOLERANCE, distance < -TRIM_TOLERANCE)
+    for share, least in ((0.25, _CHECKED), (0.5, _CHECKED), (0.75, _CHECKED), (1.0, 4.0 * _BEFORE)):
+        row = np.flatnonzero(way > least)
+        tau = share * deviation[row] - (np.copysign(_BEFORE, deviation[row]) if share == 1.0 else 0.0)
+        distance = _least_distance(sources, cutter, rays.origin[row] + tau[:, None] * rays.direction[row])
+        passes[row] |= np.where(inside[row], distance > TRIM_TOLERANCE, distance < -TRIM_TOLERANCE)
     return passes
 
 

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
 from gearsim.cutters.profile import Profile
-from gearsim.envelope.surface import BRANCHES, envelope_grid
+from gearsim.envelope.surface import BRANCHES, envelope_grid, radial_direction
 from gearsim.envelope.trim import distance_rate
 from gearsim.geometry.rays import RayBundle
 from gearsim.motion.sources import MotionSource
@@ -24,7 +24,7 @@ _PROBE_STEP = 0.4
 _SLACK = 1.0
 _SEVERAL = 5
 _CHUNK = 1 << 20
-_TURNS = 6
+_TURNS = 10
 _HALVINGS = 40
 _GRAZES = 0.05
 
@@ -77,18 +77,19 @@ def envelope_seeds(rays: RayBundle, source: MotionSource, cutter: Profile, thoro
     return joined(guesses)
 
 
-def pose_seeds(rays: RayBundle, source: MotionSource, cutter: Profile) -> Guess:
+def pose_seeds(rays: RayBundle, source: MotionSource, cutter: Profile) -> tuple[Guess, NDArray]:
     """For each ray the pose that comes closest to its origin, and the one that holds the machined surface on it.
 
     Where grazing curves run along the feed, or joints cut most of a surface, the nearest envelope point may lie many
     pieces away from the pose that cuts. Where the tool all but stands still, or turns about a point of its axis, its
     grazing point races around it, and Newton's method steps over the moment: the pose that comes closest is sought
-    instead, and the ray's parameter moved by the distance left until none is.
+    instead, and the ray's parameter moved by the distance left until none is. Returns the points, too, shape (n, 3).
     """
     each = max(2, -(-_PER_RAY // source.pieces))
     piece = np.repeat(np.arange(source.pieces), each)
     sampled = piece, np.tile((np.arange(each) + 0.5) / each, source.pieces)
     tau, found = np.zeros(len(rays)), []
+    looked: list[NDArray] = []
     for turn in range(_TURNS):
         points = rays.origin + tau[:, None] * rays.direction
         nearest = _closest_sample(points, source, cutter, sampled)
@@ -97,10 +98,11 @@ def pose_seeds(rays: RayBundle, source: MotionSource, cutter: Profile) -> Guess:
             t = _closest_moment(points, source, cutter, at, t, 1.0 / each)
         guess, distance, slope = _touched(rays, points, source, cutter, at, t)
         found.append(guess)
+        looked.append(points)
         with np.errstate(divide="ignore", invalid="ignore"):
-            step = np.where(np.abs(slope) > _GRAZES, -distance / slope, 0.0)
+            step = np.where(slope < -_GRAZES, -distance / slope, distance)
         tau = np.clip(tau + step, rays.start, rays.end)
-    return joined([found[-1], found[0]])
+    return joined([found[-1], found[0]]), np.concatenate([looked[-1], looked[0]])
 
 
 def _closest_sample(
@@ -173,6 +175,15 @@ def angle_seeds(
         near = exists[near]
         guesses.append(Guess(ray, piece[near], t[near], label[near], angle[near], np.zeros(len(ray))))
     return joined(guesses)
+
+
+def edge_seeds(source: MotionSource, edges: Sequence[int], closest: Guess, points: NDArray) -> Guess:
+    """Places on the circles of profile edges that face points, shape (n, 3), at the poses ``closest`` to them."""
+    tip, axis = (s.value for s in source.pose(closest.piece, closest.t, 0))
+    x, y = (radial_direction(axis, np.full(len(axis), angle)) for angle in (0.0, 0.5 * np.pi))
+    q = points - tip
+    angle = np.arctan2(np.einsum("ij,ij->i", q, y), np.einsum("ij,ij->i", q, x))
+    return joined([closest._replace(element=np.full(len(angle), e), place=angle, branch=0.0 * angle) for e in edges])
 
 
 def with_neighbours(guess: Guess, pieces: int, beyond: float) -> Guess:

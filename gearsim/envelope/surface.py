@@ -157,6 +157,11 @@ def _radial(axis: NDArray, angle: NDArray) -> tuple[NDArray, NDArray]:
     return c * x + s * y, c * y - s * x
 
 
+def radial_direction(axis: NDArray, angle: NDArray) -> NDArray:
+    """Unit vectors normal to the axes at an angle [rad] about them, as the charts over the angle count it."""
+    return _radial(axis, angle)[0]
+
+
 def _dot(a: NDArray, b: NDArray) -> NDArray:
     return np.einsum("ij,ij->i", a, b)[:, None]
 
