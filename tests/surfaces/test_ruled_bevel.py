@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from gearsim.errors import InputError
+from gearsim.surfaces.ruled_bevel import STRAIGHT
 from tests.conftest import make_tooth
 from tests.helpers import observed_order
 
@@ -154,3 +155,40 @@ def test_a_circle_that_cannot_reach_the_face_is_refused():
 def test_impossible_teeth_are_refused(changes, message):
     with pytest.raises(InputError, match=message):
         make_tooth(**changes)
+
+
+@pytest.mark.parametrize("hand", ["left", "right"])
+def test_a_straight_bevel_has_flanks_in_planes_through_the_apex(hand):
+    """Spiral angle 0, a straight lengthwise line, a slot in proportion to the cone distance."""
+    tooth = make_tooth(hand, spiral_angle=0.0, lengthwise_radius=STRAIGHT, tapered=True)
+    tooth.check()
+    length, height = (g.ravel() for g in np.meshgrid(np.linspace(0.0, 1.0, 5), np.linspace(0.0, 1.0, 4)))
+    for side in ("convex", "concave"):
+        jet = tooth.flank(side).jet(*tooth.flank(side).locate(length, height))
+        assert np.abs(np.sum(jet.r * jet.normal, axis=1)).max() < 1e-12
+        assert np.allclose(jet.normal, jet.normal[0], rtol=0.0, atol=1e-13)
+    cone = np.array([tooth.blank.toe, tooth.blank.cone_distance])
+    spine = tooth.spine(tooth.phi_at(cone), 0)
+    width = tooth.half_width(tooth.blank.dedendum_at(cone)) + tooth.shift(spine).value
+    assert width[0] / width[1] == pytest.approx(cone[0] / cone[1], rel=1e-12)
+
+
+@pytest.mark.parametrize("spiral", [0.0, 25.0])
+def test_a_straight_line_is_the_limit_of_large_circles(spiral):
+    """Differences fall as one over the radius."""
+    straight, off = make_tooth(spiral_angle=radians(spiral), lengthwise_radius=STRAIGHT).flank("convex"), []
+    at = np.array([0.0, 0.4, 1.0]), np.array([0.1, 0.5, 0.9])
+    for radius in (1e5, 1e6):
+        near = make_tooth(spiral_angle=radians(spiral), lengthwise_radius=radius).flank("convex")
+        off.append(np.abs(near.jet(*near.locate(*at)).r - straight.jet(*straight.locate(*at)).r).max())
+    assert off[0] < 1e-2
+    assert off[0] / off[1] == pytest.approx(10.0, rel=0.05)
+
+
+def test_straight_lines_and_tapers_that_cannot_be_are_refused():
+    with pytest.raises(InputError, match=r"line stays beyond cone distance 59\.69 mm; 55\.17 mm is"):
+        make_tooth(spiral_angle=radians(60.0), lengthwise_radius=STRAIGHT).phi_at(np.array([55.17]))
+    with pytest.raises(InputError, match=r"bottom half width 0\.1 mm at the mean .* must be at least 0\.\d+"):
+        make_tooth(bottom_half_width=0.1, tapered=True, spiral_angle=0.0, lengthwise_radius=STRAIGHT)
+    with pytest.raises(InputError, match="lengthwise radius -1 mm must be positive"):
+        make_tooth(lengthwise_radius=-1.0)

@@ -6,7 +6,9 @@ import pytest
 from gearsim.cutters.catalogue import conical
 from gearsim.errors import InputError
 from gearsim.surfaces.patch import SIDES
+from gearsim.surfaces.ruled_bevel import STRAIGHT
 from gearsim.toolpaths.flank import FlankPath
+from tests.conftest import make_tooth
 
 PHI = np.linspace(-0.2, 0.2, 9)
 
@@ -92,3 +94,19 @@ def test_only_a_cutter_that_destroys_the_next_tooth_is_refused(tooth, published_
         FlankPath(tooth, side, published_cutter, 8.0).check_passage()
         with pytest.raises(InputError, match="cannot pass between the tip edges: at cone distance"):
             FlankPath(tooth, side, conical(2.2, 1.5, radians(15.0), 25.0), 8.0).check_passage()
+
+
+def test_a_straight_bevel_is_flank_milled_exactly(published_cutter):
+    """Its flank is a plane: with every pose the cutter's straight side lies in it, all along."""
+    tooth = make_tooth(spiral_angle=0.0, lengthwise_radius=STRAIGHT, tapered=True)
+    for side in ("convex", "concave"):
+        path = FlankPath(tooth, side, published_cutter, 2.0)
+        flank = tooth.flank(side).jet(np.zeros(1), np.array([4.0]))
+        pose = path.poses(np.linspace(path.motion.start, path.motion.end, 7), 0)
+        start = published_cutter.elements[published_cutter.flank].at(np.array([0.0, 5.0]))
+        axis = pose.axis.value
+        out = flank.normal - np.sum(flank.normal * axis, axis=1)[:, None] * axis
+        out /= -np.linalg.norm(out, axis=1)[:, None]
+        for r, z in zip(start.r, start.z, strict=True):
+            off = (pose.tip.value + z * axis + r * out - flank.r) @ flank.normal[0]
+            assert np.abs(off).max() < 1e-12
