@@ -92,16 +92,34 @@ def _add_run(commands: Any) -> None:
     run.set_defaults(command=_run)
 
 
+_GOUGE_HELP = """examples:
+  gearsim gouge khan-9-1-free-form --cutter bull diameter_mm=40 corner_radius_mm=15
+  gearsim gouge part.step --cutter ball diameter_mm=12 --catalogue metric
+  gearsim gouge part.json --cutter flat diameter_mm=10 --axis 0 -0.2 1 --flip
+  gearsim gouge walls.igs --cutter ball diameter_mm=12 --flip 'face 2'
+
+material side: a solid's faces know theirs and JSON states it; of other faces (IGES 128, open shells) it is
+assumed behind the normal r_u x r_v of the file's parameters, and said so; --flip turns it.
+
+where faces meet: within 1e-5 of the part's size. A smooth tool enters no concave corner; tangent joins are compared
+in the sector of each face; on convex edges the edge itself is compared, along itself.
+
+exit codes:
+  0  gouges nowhere
+  1  gouges, the report says where
+  2  bad input
+  3  unchecked: no point is reached, a face was skipped, left out or reached nowhere, or material sides disagree
+"""
+
+
 def _add_gouge(commands: Any) -> None:
     gouge = commands.add_parser(
         "gouge",
-        help="say where a cutter gouges a NURBS surface, and which mill is the largest that does not",
-        description="Compare the curvatures of cutter and surface at every point of a grid: where the cutter gouges, "
-        "in which directions, how deep; the largest mill of a catalogue, by Khan's thesis and truly. Nothing is cut.",
-        epilog="examples:\n  gearsim gouge khan-9-1-free-form --cutter bull diameter_mm=40 corner_radius_mm=15\n"
-        "  gearsim gouge part.step --cutter ball diameter_mm=12 --catalogue metric\n"
-        "  gearsim gouge part.json --cutter flat diameter_mm=10 --axis 0 -0.2 1 --flip\n\n"
-        "exit codes:\n  0  gouges nowhere\n  1  gouges, the report says where\n  2  bad input\n",
+        help="say where a cutter gouges the faces of a file, and which mill is the largest that does not",
+        description="Compare the curvatures of cutter and part on all faces of a file, each trimmed to its boundary, "
+        "and where faces meet: where the cutter gouges, in which directions, how deep; the largest mill of a "
+        "catalogue. Nothing is cut; only the surface beside each contact is looked at (local gouging).",
+        epilog=_GOUGE_HELP,
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     gouge.add_argument("surface", help="a shipped control net or a file: .json, .igs, .iges, .stp, .step")
@@ -109,12 +127,16 @@ def _add_gouge(commands: Any) -> None:
                        help="a cutter of the catalogue with its sizes, as in a scene's [cutter] table")  # fmt: skip
     gouge.add_argument("--catalogue", default="khan", metavar="NAME|FILE",
                        help="end mills to choose from: khan (default), metric, or a file of R, r [mm]")  # fmt: skip
-    gouge.add_argument("--number", type=_positive, default=1, help="which surface of the file (default: 1)")
-    gouge.add_argument("--flip", action="store_true", help="turn the surface's normals round")
+    gouge.add_argument("--number", type=_positive, metavar="N",
+                       help="look at face N only; where the file holds others, nothing is called free")  # fmt: skip
+    gouge.add_argument("--flip", nargs="*", metavar="FACE",
+                       help="put the material on the other side of all faces or of those named")  # fmt: skip
     gouge.add_argument("--axis", type=float, nargs=3, default=(0.0, 0.0, 1.0), metavar=("X", "Y", "Z"),
                        help="tool axis, away from the tip (default: 0 0 1)")  # fmt: skip
-    gouge.add_argument("--grid", type=_positive, default=256, help="points a side (default: %(default)s)")
-    gouge.add_argument("--margin", type=float, default=0.0, help="share of the surface left out at every edge")
+    gouge.add_argument("--grid", type=_positive, default=256,
+                       help="lines along the longest face, more where a face bends (default: %(default)s)")  # fmt: skip
+    gouge.add_argument("--margin", type=float, default=0.0,
+                       help="share left out at every face's borders, and with it where faces meet")  # fmt: skip
     gouge.add_argument("--out", type=Path, metavar="DIR", help="also write report, pictures and maps")
     gouge.add_argument("--device", default="cpu", help="cpu (default) or cuda:0, cuda:1, ...")
     gouge.set_defaults(command=_gouge)

@@ -12,7 +12,9 @@ from numpy.typing import NDArray
 import gearsim
 from gearsim.cutters.profile import Profile
 from gearsim.gouging.attribution import Attribution
+from gearsim.gouging.junctions import Junctions
 from gearsim.gouging.khan_sizes import SideBySide
+from gearsim.gouging.looked import FaceLook
 from gearsim.gouging.prediction import Prediction
 from gearsim.gouging.rings import RingResult
 from gearsim.gouging.worked import WorkedRow
@@ -218,18 +220,47 @@ class SculpturedResult(Result):
 
 
 @dataclass(frozen=True)
-class GougeCheck(Result):
-    """A surface looked at for local gouging by one tool, nothing cut: prediction at the points of a grid (row-major).
+class TightPlace:
+    """Where a tool gouges most or is closest to it.
 
-    ``worst``: the row-major index of the point that gouges most or is closest to it; -1: the tool reaches none.
+    ``face``: the number of a face in the check, with its parameters ``u``, ``v`` and what is predicted there; where
+    faces meet ``face`` is that which is touched, ``meets`` says how, and nothing but ``least`` [1/mm] is predicted.
     """
 
-    surface: NurbsSurface
+    face: int
+    u: float
+    v: float
+    point: tuple[float, float, float]
+    least: float
+    contact: Prediction | None
+    meets: str = ""
+    with_face: int = -1
+
+
+@dataclass(frozen=True)
+class GougeCheck(Result):
+    """The faces of a file looked at for local gouging by one tool, nothing cut.
+
+    ``met``: where faces and pieces of faces meet, with the tool's least difference of curvature at every side and on
+    every convex edge. ``whole``: one mill for everything (None: none reaches anything), limited at ``place`` [mm].
+    ``worst``: None where the tool reaches nothing. ``tolerance`` [mm]: how far apart faces still meet. ``skipped``:
+    what could not be read; ``left_out``: faces not asked for. ``notes``: what else a reader must know.
+    """
+
+    looks: tuple[FaceLook, ...]
     cutter: Profile
     axis: NDArray
-    samples: Prediction
-    sizes: SizeChoice
-    worst: int
+    met: Junctions
+    at_sides: NDArray
+    on_ridges: NDArray
+    tolerance: float
+    mills: NDArray
+    whole: SideBySide | None
+    place: tuple[float, ...]
+    worst: TightPlace | None
+    skipped: tuple[str, ...]
+    left_out: int
+    notes: tuple[str, ...]
 
 
 @dataclass(frozen=True)

@@ -21,6 +21,7 @@ from gearsim.cutters.profile import Profile
 from gearsim.errors import InputError
 
 ANGLE = 1e-9  # rad: contacts closer to the axis, to the shank or to a cone's angle than this count as there
+BEYOND = 1e-6  # rad: walls this much steeper than a flank, by the digits of a file, are touched by it all along
 _ON_AXIS = 1e-9  # mm
 
 
@@ -101,6 +102,30 @@ def contact_at(cutter: Profile, theta: ArrayLike) -> Contact:
         if not e.is_arc:
             _fill_line(columns, cutter.elements, i, angle)
     return Contact(*columns.reshape(5, *shape))
+
+
+def cutting_contact(cutter: Profile, theta: ArrayLike) -> Contact:
+    """The same for contacts that cut: nan on the rim where the tool is cut off at its top, and beyond it.
+
+    Angles up to `BEYOND` past the flank's own count as the flank's.
+    """
+    angle, end = np.asarray(theta, dtype=float), end_angle(cutter)
+    found = contact_at(cutter, np.where((angle > end) & (angle <= end + BEYOND), end, angle))
+    return Contact(*(np.where(angle <= end + BEYOND, x, np.nan) for x in found))
+
+
+def end_angle(cutter: Profile) -> float:
+    """The largest contact angle [rad] below the rim where a convex cutter is cut off at its top."""
+    last = cutter.elements[-1]
+    return _angles(cutter.elements[-2])[1] if last.is_flat and len(cutter.elements) > 1 else np.pi
+
+
+def sharp_edges(cutter: Profile) -> list[tuple[float, float, float]]:
+    """Sharp edges below the top: first and last contact angle [rad] and radius [mm], 0 at a pointed tip."""
+    ends = [(0.0, cutter.elements[0].start[0])] + [(_angles(e)[1], e.end[0]) for e in cutter.elements[:-1]]
+    starts, limit = [_angles(e)[0] for e in cutter.elements], end_angle(cutter)
+    pairs = ((before, after, r) for (before, r), after in zip(ends, starts, strict=True))
+    return [(a, b, r) for a, b, r in pairs if b - a > ANGLE and b <= limit + ANGLE]
 
 
 def locate(

@@ -11,12 +11,14 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from gearsim.cutters.contact import Contact
 from gearsim.gouging.compare import Comparison, Decision, compare, decide
 from gearsim.gouging.tensors import Tensor
 
 _TURN = 2.0 * np.pi
+_SLIVER = 1e-7
 
 
 @dataclass(frozen=True)
@@ -104,3 +106,29 @@ def _overlaps(one: tuple[float, float], other: tuple[float, float]) -> list[tupl
     shifted = [(one[0] + turns + k * _TURN, one[1] + turns + k * _TURN) for k in range(3)]
     common = [(max(a, other[0]), min(b, other[1])) for a, b in shifted]
     return [(float(a), float(b)) for a, b in common if b - a > 1e-12]
+
+
+def least_in_sectors(contact: Contact, part: Tensor, start: NDArray, width: NDArray) -> NDArray:
+    """The least f [1/mm] of contacts (n,) whose parts are known from ``start`` over ``width`` [rad] only.
+
+    As `compare_sectors` with both sides of the tool, for many contacts at once; nan where there is no contact.
+    """
+    found = np.full(np.shape(start), np.inf)
+    around, zero = np.asarray(contact.around, dtype=float), np.zeros(np.shape(start))
+    for middle, meridian in ((0.0, contact.uphill), (np.pi, contact.downhill)):
+        f = compare(Tensor(np.asarray(meridian, dtype=float), zero, around), part)
+        rim = np.isinf(meridian)
+        for turn in (-_TURN, 0.0, _TURN):
+            low = np.maximum(start, middle + turn - 0.5 * np.pi)
+            high = np.minimum(start + width, middle + turn + 0.5 * np.pi)
+            found = np.where(high - low > _SLIVER, np.fmin(found, _least_between(f, rim, low, high)), found)
+    return np.where(np.isfinite(around + part.a + part.b + part.c) | np.isinf(around), found, np.nan)
+
+
+def _least_between(f: Comparison, rim: NDArray, low: NDArray, high: NDArray) -> NDArray:
+    """The least of f from low to high [rad], arrays (n,); along a rim (90 deg) only where the tool is sharp."""
+    with np.errstate(invalid="ignore"):
+        inside = np.mod(f.worst - low + _SLIVER, np.pi) <= high - low + 2.0 * _SLIVER
+        smooth = np.where(inside, f.least, np.minimum(f.at(low), f.at(high)))
+    along = np.mod(0.5 * np.pi - low + _SLIVER, np.pi) <= high - low + 2.0 * _SLIVER
+    return np.where(rim, np.where(along, f.least, np.inf), smooth)

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gearsim.geometry.rays import RayBundle
-from gearsim.surfaces.patch import Patch, ToothSurface
+from gearsim.surfaces.patch import Jet, Patch, ToothSurface
 
 
 @dataclass(frozen=True)
@@ -58,6 +58,17 @@ def sample_grid(patch: Patch, rows: int, columns: int, margin: float = 0.0, wind
         patch, length, height, phi, v, jet.r.reshape(*shape, 3), jet.normal.reshape(*shape, 3),
         -rays.start.reshape(shape), rays.end.reshape(shape),
     )  # fmt: skip
+
+
+def grid_on_lines(patch: Patch, u: NDArray, v: NDArray, jet: Jet) -> SampleGrid:
+    """A grid on lines of the parameters u (columns,) and v (rows,), with the ``jet`` of its points, row-major."""
+    shape, corners = (len(v), len(u)), patch.locate(np.array([0.0, 1.0]), np.array([0.0, 1.0]))
+    length, height = ((x - end[0]) / (end[1] - end[0]) for x, end in zip((u, v), corners, strict=True))
+    uu, vv = np.meshgrid(u, v)
+    inward, outward = (w.reshape(shape) for w in patch.windows(uu.ravel(), vv.ravel()))
+    return SampleGrid(
+        patch, length, height, uu, vv, jet.r.reshape(*shape, 3), jet.normal.reshape(*shape, 3), inward, outward
+    )
 
 
 def window_rays(patch: Patch, phi: NDArray, v: NDArray, direction: NDArray, window: float = 1.0) -> RayBundle:

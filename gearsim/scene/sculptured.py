@@ -59,10 +59,13 @@ class SculpturedPathTable(Table):
 
 
 class MillsTable(Table):
-    """Table [catalogue]: the end mills to choose from, by name or as pairs R, r [mm]; ``margin`` of the surface."""
+    """Table [catalogue]: the end mills to choose from, by name or as pairs R, r [mm]; ``margin`` of the surface.
+
+    The margin's default is that of ``gearsim gouge``: none, the border is looked at in the sector of the surface.
+    """
 
     mills: Literal["khan", "metric"] | tuple[tuple[Length, LengthOrZero], ...] = "khan"
-    margin: Margin = 0.02
+    margin: Margin = 0.0
 
     def build(self) -> NDArray:
         """(R, r) [mm], shape (m, 2), the largest first. Raises InputError for a corner larger than its mill."""

@@ -1,108 +1,172 @@
-"""A user's own surface looked at for local gouging: ``gearsim gouge``."""
+"""A user's own faces looked at for local gouging: ``gearsim gouge``."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
-from pathlib import Path
+from dataclasses import dataclass
 from time import perf_counter
 
 import numpy as np
 from numpy.typing import NDArray
 
 from gearsim.cutters.profile import Profile
-from gearsim.errors import InputError, Status, read_input
-from gearsim.gouging.evaluate import evaluate
-from gearsim.gouging.khan_sizes import beside_best
-from gearsim.gouging.prediction import predict_at
-from gearsim.gouging.sizes import largest_mills
-from gearsim.gouging.standard_mills import khan_mills, metric_mills, ranked
-from gearsim.metrology.samples import sample_grid
-from gearsim.result import GougeCheck, SizeChoice, versions
-from gearsim.surfaces.nurbs import NurbsSurface
-from gearsim.surfaces.nurbs_file import load_surfaces
+from gearsim.errors import InputError, Status
+from gearsim.gouging.compare import TIE
+from gearsim.gouging.fitting import contacts_of, largest_for_all
+from gearsim.gouging.joins import Places, find_places, join_tolerance
+from gearsim.gouging.junctions import Join, Junctions, junctions, least_at_sides, least_on_ridges
+from gearsim.gouging.lines import Lines, face_lines, longest_line
+from gearsim.gouging.looked import FaceLook, look
+from gearsim.gouging.prediction import Prediction, at_one
+from gearsim.gouging.sides import no_sides
+from gearsim.gouging.tool import cutter_tool
+from gearsim.result import GougeCheck, TightPlace, Verdict, versions
+from gearsim.surfaces.face import Face
 
 
-def check_surface(
-    surface: NurbsSurface, cutter: Profile, mills: NDArray, *, grid: int = 256, margin: float = 0.0,
+@dataclass(frozen=True)
+class Asked:
+    """Faces to look at, what of their file was ``skipped`` with the reasons, how many were ``left_out``, and notes."""
+
+    name: str
+    faces: tuple[Face, ...]
+    skipped: tuple[str, ...] = ()
+    left_out: int = 0
+    notes: tuple[str, ...] = ()
+
+
+def check_faces(
+    asked: Asked, cutter: Profile, mills: NDArray, *, grid: int = 256, margin: float = 0.0,
     axis: Sequence[float] = (0.0, 0.0, 1.0), device: str = "cpu",
 ) -> GougeCheck:  # fmt: skip
-    """Predict local gouging at ``grid`` x ``grid`` points, and the largest of the mills (R, r), shape (m, 2).
+    """Predict local gouging on all faces and where they meet, and the largest of the mills (R, r), shape (m, 2).
 
-    ``axis``: the tool's, away from its tip, of any length. Raises InputError for a cutter that is not convex.
+    ``grid``: lines along the longest face; the others have as many by their length, and more where they bend.
+    ``margin``: the share of every face left out at its borders, and with them where faces meet. ``axis``: the tool's,
+    away from its tip, of any length. Raises InputError for a cutter that is not convex.
     """
     started = perf_counter()
-    length = float(np.linalg.norm(axis))
-    if not length > 0.0:
-        raise InputError(f"the tool axis must have a direction, got {tuple(axis)}")
-    unit = np.asarray(axis, dtype=float) / length
-    points = sample_grid(surface, grid, grid, margin)
-    jet = evaluate(surface, points.phi.ravel(), points.v.ravel(), device)
-    found = predict_at(jet, cutter, unit)
-    theta, part = found.contacts.theta, found.contacts.part
-    mine = np.flatnonzero(np.isfinite(theta + part.a) & (theta <= 0.5 * np.pi + 1e-9))
-    choice = largest_mills(mills, np.where(np.isin(np.arange(len(theta)), mine), theta, np.pi), part)
-    both = beside_best(theta[mine], part[mine], mills) if len(mine) else None
-    place = points.point.reshape(-1, 3)[mine[both.best.limiting]] if both else np.full(3, np.nan)
-    shape = points.shape
-    sizes = SizeChoice(points, choice.shank.reshape(shape), choice.corner.reshape(shape), mills, both, tuple(place))
-    least = np.where(found.touches, found.comparison.least, np.inf)
-    worst = int(np.argmin(least)) if found.touches.any() else -1
+    unit = _unit(axis)
+    faces = asked.faces
+    step = max(longest_line(f) for f in faces) / (grid - 1)
+    lines = [face_lines(f, step, grid, margin) for f in faces]
+    looks = tuple(look(f, mine, cutter, unit, device) for f, mine in zip(faces, lines, strict=True))
+    met = where_met(faces, lines, margin)
+    tool = cutter_tool(cutter)
+    at_sides, on_ridges = least_at_sides(met, tool, unit), least_on_ridges(met, tool, unit)
+    contacts = contacts_of(looks, met, unit)
+    whole = largest_for_all(contacts, mills)
+    worst = _worst(looks, met, at_sides, on_ridges)
+    verdict, status = _verdict(asked, looks, met, at_sides, worst, margin)
     return GougeCheck(
-        scene={"scene": {"name": surface.name, "summary": f"local gouging of {surface.name} by a {cutter.name}"}},
+        scene={"scene": {"name": asked.name, "summary": f"local gouging of {asked.name} by a {cutter.name}"}},
         device=device,
         findings=(),
-        verdict="fail" if found.gouges.any() else "pass",
-        status=Status.OK.name or "OK",
-        counts={"points": int(least.size)},
+        verdict=verdict,
+        status=status,
+        counts={"points": sum(int(f.held.sum()) + len(f.u) for f in looks)},
         timings_s={"total": perf_counter() - started},
         versions=versions(),
-        frame="part frame of the control net",
-        surface=surface,
+        frame="part frame of the file",
+        looks=looks,
         cutter=cutter,
         axis=unit,
-        samples=found,
-        sizes=sizes,
+        met=met,
+        at_sides=at_sides,
+        on_ridges=on_ridges,
+        tolerance=join_tolerance(faces),
+        mills=mills,
+        whole=whole,
+        place=tuple(float(x) for x in contacts.place(whole.best.limiting)) if whole else (),
         worst=worst,
+        skipped=asked.skipped,
+        left_out=asked.left_out,
+        notes=asked.notes,
     )
 
 
-def read_surface(name_or_path: str, number: int, flip: bool) -> tuple[NurbsSurface, int]:
-    """One surface of a file or of the shipped ones, its normal turned if wanted; and how many there are."""
-    surfaces = load_surfaces(name_or_path)
-    if not 1 <= number <= len(surfaces):
-        raise InputError(f"--number {number}: {name_or_path} holds {len(surfaces)} surface(s)")
-    surface = surfaces[number - 1]
-    return (replace(surface, flip=not surface.flip) if flip else surface), len(surfaces)
+def where_met(faces: Sequence[Face], lines: Sequence[Lines], margin: float) -> Junctions:
+    """Where faces and pieces of faces meet; nothing where a margin leaves out the borders."""
+    none = Places(no_sides(), 0, np.empty(0, bool), np.empty(0, bool))
+    places = find_places(faces, lines) if margin == 0.0 else none
+    return junctions(places, np.array([f.side == "solid" for f in faces]))
 
 
-def read_mills(name_or_path: str) -> NDArray:
-    """A catalogue of end mills (R, r) [mm]: ``khan``, ``metric``, or a file with R and r in every line."""
-    if name_or_path in ("khan", "metric"):
-        return khan_mills() if name_or_path == "khan" else metric_mills()
-    mills: list[list[float]] = []
-    for number, line in enumerate(read_input(Path(name_or_path), "catalogue").splitlines(), 1):
-        words = line.partition("#")[0].replace(",", " ").replace(";", " ").split()
-        if not words or (not mills and not _is_number(words[0])):
-            continue
-        pair = [_number(w) for w in words]
-        if len(pair) != 2 or not 0.0 <= pair[1] <= pair[0] or not pair[0] > 0.0:
-            raise InputError(
-                f"{name_or_path}, line {number}: expected shank radius R and corner radius r in mm with "
-                f"0 <= r <= R, got {line.strip()!r}"
-            )
-        mills.append(pair)
-    if not mills:
-        raise InputError(f"{name_or_path}: no mills in this catalogue; each line holds R and r in mm, like 10, 2")
-    return ranked(np.array(mills))
+def _unit(axis: Sequence[float]) -> NDArray:
+    length = float(np.linalg.norm(axis))
+    if not 0.0 < length < np.inf:
+        raise InputError(f"the tool axis must have a direction, got {tuple(axis)}")
+    return np.asarray(axis, dtype=float) / length
 
 
-def _number(text: str) -> float:
-    return float(text) if _is_number(text) else float("nan")
+def _worst(looks: Sequence[FaceLook], met: Junctions, at_sides: NDArray, on_ridges: NDArray) -> TightPlace | None:
+    """The tightest contact of all: where it lies, and what is predicted there."""
+    found: list[TightPlace] = []
+    for k, f in enumerate(looks):
+        flat = (f.grid.phi.ravel(), f.grid.v.ravel(), f.grid.point.reshape(-1, 3), f.samples)
+        for u, v, point, seen in (flat, (f.u, f.v, f.point, f.tight)):
+            i = _lowest(np.where(seen.touches, seen.comparison.least, np.nan))
+            if i >= 0:
+                found.append(_on_face(k, u[i], v[i], point[i], at_one(seen, i)))
+    side = _lowest(at_sides)
+    if side >= 0:
+        found.append(_where_met(met, side, float(at_sides[side])))
+    ridge = _lowest(on_ridges)
+    if ridge >= 0:
+        found.append(_where_met(met, int(met.ridges.side[ridge]), float(on_ridges[ridge]), Join.CONVEX))
+    return min(found, key=lambda p: p.least) if found else None
 
 
-def _is_number(text: str) -> bool:
-    try:
-        return bool(np.isfinite(float(text)))
-    except ValueError:
-        return False
+def _lowest(least: NDArray) -> int:
+    return int(np.nanargmin(least)) if np.isfinite(least).any() or np.isneginf(least).any() else -1
+
+
+def _on_face(face: int, u: float, v: float, point: NDArray, seen: Prediction) -> TightPlace:
+    x, y, z = (float(c) for c in point)
+    return TightPlace(face, float(u), float(v), (x, y, z), float(seen.comparison.least[0]), seen)
+
+
+def _where_met(met: Junctions, side: int, least: float, kind: Join | None = None) -> TightPlace:
+    s = met.sides
+    pairs = np.flatnonzero(met.pairs.touched == side)
+    if kind is None and len(pairs):
+        kind = Join(int(met.pairs.kind[pairs].max()))
+    mine = pairs[met.pairs.kind[pairs] == kind] if kind is not None else pairs
+    other = int(s.face[met.pairs.other[mine[0]]]) if len(mine) else -1
+    x, y, z = (float(c) for c in s.point[side])
+    return TightPlace(int(s.face[side]), float(s.u[side]), float(s.v[side]), (x, y, z), least, None,
+                      _MEETS[kind] if kind is not None else "border", other)  # fmt: skip
+
+
+_MEETS = {
+    Join.TANGENT: "tangent join", Join.CONVEX: "convex edge", Join.CONCAVE: "concave corner",
+    Join.DISAGREE: "join whose material sides disagree",
+}  # fmt: skip
+
+
+def _verdict(
+    asked: Asked, looks: Sequence[FaceLook], met: Junctions, at_sides: NDArray, worst: TightPlace | None, margin: float
+) -> tuple[Verdict, str]:
+    """Fail where anything gouges; unchecked where not everything was looked at or a side is in doubt."""
+    if worst is not None and worst.least < -TIE:
+        return "fail", Status.OK.name or "OK"
+    if worst is None:
+        return "unchecked", "the tool reaches no point: nothing was judged"
+    doubts = []
+    if asked.left_out:
+        doubts.append(f"{asked.left_out} faces of the file were not looked at (without --number all are)")
+    if asked.skipped:
+        doubts.append(f"{len(asked.skipped)} faces could not be read")
+    pairs = met.pairs
+    against = met.sides.face[pairs.touched[pairs.kind == Join.DISAGREE]]
+    if len(against):
+        names = ", ".join(looks[k].face.name for k in np.unique(against))
+        doubts.append(f"material lies on opposite sides of faces that meet: {names} (--flip NAME turns one)")
+    reached = np.unique(met.sides.face[np.isfinite(at_sides) | np.isinf(at_sides)])
+    hidden = [f.face for k, f in enumerate(looks) if not f.reached and k not in reached]
+    if any(f.side != "solid" for f in hidden):
+        names = ", ".join(f.name for f in hidden if f.side != "solid")
+        doubts.append(f"the tool reaches no point of {names}")
+    if margin > 0.0 and len(looks) > 1:
+        doubts.append("the margin leaves out where faces meet")
+    return ("unchecked", "; ".join(doubts)) if doubts else ("pass", Status.OK.name or "OK")

@@ -8,10 +8,10 @@ import numpy as np
 
 from gearsim.errors import Status
 from gearsim.gouging.attribution import Cause
-from gearsim.gouging.khan_sizes import beside_best
+from gearsim.gouging.fitting import contacts_of, largest_for_all, size_map
+from gearsim.gouging.lines import face_lines, longest_line
+from gearsim.gouging.looked import look
 from gearsim.gouging.prediction import predict
-from gearsim.gouging.sizes import largest_mills
-from gearsim.gouging.surface import surface_contacts
 from gearsim.gouging.worked_sections import worked_rows
 from gearsim.metrology.deviation import Crossing
 from gearsim.metrology.findings import Finding
@@ -22,8 +22,10 @@ from gearsim.metrology.verdict import untouched
 from gearsim.result import GougeExampleResult, PlotPoint, SculpturedResult, SizeChoice, ToolCut, Verdict, versions
 from gearsim.scene import SculpturedScene, scene_table
 from gearsim.scene.sculptured import WorkedTable
+from gearsim.sculptured.check import where_met
 from gearsim.sculptured.cutting import cut_with
 from gearsim.sculptured.job import SculpturedJob
+from gearsim.surfaces.face import Face
 
 _FRAME = "part frame of the control net: the tool axis is +z"
 
@@ -48,7 +50,7 @@ def measure(job: SculpturedJob, machine_for: MachineFor, device: str) -> Sculptu
         surface=job.surface,
         grid=grid,
         cuts=cuts,
-        sizes=_sizes(job.scene, job),
+        sizes=_sizes(job.scene, job, device),
         plotted=_plotted(job.scene, job),
         worked=_worked(job.scene.reference),
     )
@@ -77,20 +79,17 @@ def _worked(table: WorkedTable | None) -> tuple[Any, ...]:
     return tuple(worked_rows(table.sections, table.names)) if table else ()
 
 
-def _sizes(scene: SculpturedScene, job: SculpturedJob) -> SizeChoice:
-    """The largest mill at every point of a grid, and Khan's mill for the whole surface beside the true optimum."""
+def _sizes(scene: SculpturedScene, job: SculpturedJob, device: str) -> SizeChoice:
+    """As `gearsim gouge` has it: the largest mill at every point, and Khan's mill for all beside the true optimum."""
     assert job.surface is not None
-    mills, m = scene.catalogue.build(), scene.metrology
-    grid = sample_grid(job.surface, m.rows, m.columns, scene.catalogue.margin)
-    contacts = surface_contacts(job.surface.jet(grid.phi.ravel(), grid.v.ravel()))
-    reachable = np.isfinite(contacts.theta) & (contacts.theta <= 0.5 * np.pi + 1e-9)
-    choice = largest_mills(mills, np.where(reachable, contacts.theta, np.pi), contacts.part)
-    mine = np.flatnonzero(reachable & np.isfinite(contacts.part.a))
-    both = beside_best(contacts.theta[mine], contacts.part[mine], mills) if len(mine) else None
-    limiting = np.unravel_index(mine[both.best.limiting], grid.shape) if both else (0, 0)
-    place = tuple(float(x) for x in grid.point[limiting])
-    shape = grid.shape
-    return SizeChoice(grid, choice.shank.reshape(shape), choice.corner.reshape(shape), mills, both, place)
+    mills, margin, axis = scene.catalogue.build(), scene.catalogue.margin, np.array([0.0, 0.0, 1.0])
+    face, grid = Face(job.surface.name, job.surface), max(scene.metrology.rows, scene.metrology.columns)
+    lines = face_lines(face, longest_line(face) / max(grid - 1, 1), grid, margin)
+    seen = look(face, lines, job.tools["chosen"].cutter, axis, device)
+    contacts = contacts_of([seen], where_met([face], [lines], margin), axis)
+    both, choice, shape = largest_for_all(contacts, mills), size_map(seen, mills), seen.grid.shape
+    place = tuple(float(x) for x in contacts.place(both.best.limiting)) if both else (np.nan,) * 3
+    return SizeChoice(seen.grid, choice.shank.reshape(shape), choice.corner.reshape(shape), mills, both, place)
 
 
 def _plotted(scene: SculpturedScene, job: SculpturedJob) -> PlotPoint:

@@ -23,10 +23,11 @@ from collections.abc import Sequence
 from difflib import get_close_matches
 from importlib.resources import files
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 from gearsim.errors import InputError, read_input
 from gearsim.surfaces.cad_file import CAD_SUFFIXES, read_cad
+from gearsim.surfaces.face import Face, face_from_cad
 from gearsim.surfaces.nurbs import NurbsSurface
 
 _NEEDED = ("degree", "knots", "points")
@@ -40,26 +41,64 @@ def surface_names() -> list[str]:
     return sorted(entry.name.removesuffix(".json") for entry in folder.iterdir() if entry.name.endswith(".json"))
 
 
-def load_surfaces(name_or_path: str | Path) -> list[NurbsSurface]:
-    """The surfaces of a shipped control net, by name, or of a file (JSON, IGES or STEP by its suffix).
+class FaceFile(NamedTuple):
+    """The faces of a file, by their numbers from 1; ``skipped``: what could not be read of it, with the reasons."""
 
-    Raises InputError naming file and surface for anything that cannot be used.
+    faces: dict[int, Face]
+    skipped: tuple[str, ...]
+
+
+def load_faces(name_or_path: str | Path) -> FaceFile:
+    """The faces of a shipped control net, by name, or of a file (JSON, IGES or STEP by its suffix).
+
+    Faces of a CAD file that cannot be used are skipped and named. Raises InputError naming file and surface for
+    anything else that cannot be used.
     """
+    path = Path(name_or_path)
+    if str(name_or_path) in surface_names() or path.suffix.lower() not in CAD_SUFFIXES:
+        surfaces = _load_json(name_or_path)
+        names = _distinct([s.name for s in surfaces])
+        return FaceFile({k: Face(n, s) for k, (n, s) in enumerate(zip(names, surfaces, strict=True), 1)}, ())
+    found = read_cad(path)
+    skipped, faces = [": ".join(x for x in pair if x) for pair in found["skipped"]], {}
+    for entry in found["faces"]:
+        name = entry["surface"]["name"]
+        try:
+            surface = _surface(entry["surface"], f"{path}, {name}")
+            faces[int(name.split()[-1])] = face_from_cad(entry, surface)
+        except InputError as error:
+            skipped.append(f"{name}: {str(error).removeprefix(f'{path}, {name}: ')}")
+    if not faces:
+        raise InputError(f"cannot read {path}: {'; '.join(skipped[:3])}")
+    return FaceFile(faces, tuple(skipped))
+
+
+def load_surfaces(name_or_path: str | Path) -> list[NurbsSurface]:
+    """The surfaces of all faces, untrimmed. Raises InputError as `load_faces` and where a face was skipped."""
+    found = load_faces(name_or_path)
+    if found.skipped:
+        raise InputError(f"cannot read {name_or_path}: {'; '.join(found.skipped[:3])}")
+    return [face.surface for face in found.faces.values()]
+
+
+def _load_json(name_or_path: str | Path) -> list[NurbsSurface]:
     if str(name_or_path) in surface_names():
         entry = files("gearsim.scenes").joinpath("surfaces", f"{name_or_path}.json")
         return parse_surfaces(entry.read_text("utf-8"), str(name_or_path))
     path = Path(name_or_path)
-    suffix = path.suffix.lower()
-    if suffix in CAD_SUFFIXES:
-        return [_surface(entry, f"{path}, surface {n}") for n, entry in enumerate(read_cad(path), 1)]
-    if suffix == ".json" or path.is_file():
-        return parse_surfaces(read_input(path, "control net"), str(path))
+    if path.suffix.lower() == ".json" or path.is_file():
+        return parse_surfaces(read_input(path, "control net").removeprefix("\ufeff"), str(path))
     near = get_close_matches(str(name_or_path), surface_names(), n=1, cutoff=0.4)
     hint = f"; did you mean {near[0]!r}?" if near else "."
     raise InputError(
         f"no surface named {str(name_or_path)!r}{hint} Built-in surfaces: {', '.join(surface_names())}. "
         f"Or give the path of a file: .json, {', '.join(CAD_SUFFIXES)}."
     )
+
+
+def _distinct(names: list[str]) -> list[str]:
+    """Names with a number behind those that stand twice."""
+    return [n if names.count(n) == 1 else f"{n} {names[:k].count(n) + 1}" for k, n in enumerate(names)]
 
 
 def parse_surfaces(text: str, name: str) -> list[NurbsSurface]:

@@ -8,9 +8,16 @@ import pytest
 from gearsim.cli import main
 from gearsim.errors import InputError
 from gearsim.scene.catalogue import read_cutter
-from gearsim.sculptured.check import check_surface, read_mills
-from gearsim.surfaces.nurbs_file import load_surfaces, write_surfaces
+from gearsim.sculptured.asked import read_faces, read_mills
+from gearsim.sculptured.check import Asked, check_faces
+from gearsim.surfaces.face import Face
+from gearsim.surfaces.nurbs_file import write_surfaces
 from tests.surfaces.nurbs_shapes import rebuilt, sphere, wavy
+
+
+def check_surface(surface, cutter, mills, **options):
+    return check_faces(Asked(surface.name, (Face(surface.name, surface),)), cutter, mills, **options)
+
 
 BULL = ("--cutter", "bull", "diameter_mm=40", "corner_radius_mm=15")
 
@@ -23,9 +30,10 @@ def test_a_surface_that_is_gouged(tmp_path, capsys):
     assert "gouges" in shown
     assert "R = 30, r = 14.1 mm" in shown
     report = json.loads((out / "report.json").read_text())
-    assert report["gouging"] + report["tie"] + report["free"] + report["not_reached"] == 41 * 41
+    assert report["gouging"] + report["tie"] + report["free"] + report["not_reached"] == report["points"]
+    assert report["spacing_mm"] <= 80.0 / 40.0 + 1e-9
     assert report["worst"]["least_difference_per_mm"] == pytest.approx(1.0 / 15.0 - 0.05 * np.sqrt(2.0), abs=1e-12)
-    assert report["worst"]["place_mm"][0] == pytest.approx(5.0)
+    assert report["worst"]["place_mm"][0] == pytest.approx(5.0, abs=1e-5)
     assert report["worst"]["case"].startswith("case 4")
     assert {"gouging.png", "tool_size.png", "curvature.png", "gouging.exr", "report.html"} <= {
         f.name for f in out.iterdir()
@@ -45,30 +53,32 @@ def test_a_leaning_tool_sees_a_turned_surface_as_an_upright_one_the_plain_surfac
     mills = read_mills("metric")
     plain = check_surface(surface, cutter, mills, grid=17)
     leaning = check_surface(turned, cutter, mills, grid=17, axis=2.0 * turn[:, 2])
-    np.testing.assert_allclose(
-        leaning.samples.comparison.least[plain.samples.touches],
-        plain.samples.comparison.least[plain.samples.touches],
-        atol=1e-9,
-    )
-    np.testing.assert_array_equal(leaning.sizes.shank, plain.sizes.shank)
+    one, other = (c.looks[0].samples for c in (plain, leaning))
+    assert one.touches.all()
+    np.testing.assert_allclose(other.comparison.least, one.comparison.least, atol=1e-9)
+    assert leaning.whole.best.row == plain.whole.best.row
+    assert leaning.verdict == plain.verdict
 
 
 def test_a_ball_in_a_bowl_ties_at_the_bowls_radius():
     bowl = sphere(8.0, flip=True)
     for diameter, gouging in ((15.9, False), (16.1, True)):
         cutter = read_cutter(["ball", f"diameter_mm={diameter}"])
-        check = check_surface(bowl, cutter, read_mills("khan"), grid=21, margin=0.03)
-        below = check.samples.touches & (check.samples.contacts.theta < 1.5)
-        assert check.samples.gouges[below].all() == gouging
+        check = check_surface(bowl, cutter, read_mills("metric"), grid=21, margin=0.03)
+        seen = check.looks[0].samples
+        below = seen.touches & (seen.contacts.theta < 1.5)
+        assert below.sum() > 100
+        assert seen.gouges[below].all() == gouging
 
 
 def test_the_normals_turned_away(tmp_path, capsys):
     file = tmp_path / "plane.json"
     write_surfaces([wavy(np.random.default_rng(0)), wavy(np.random.default_rng(1))], file)
-    assert main(["gouge", str(file), "--cutter", "flat", "diameter_mm=1", "--flip", "--grid", "5"]) == 0
+    assert main(["gouge", str(file), "--cutter", "flat", "diameter_mm=1", "--flip", "--grid", "5"]) == 3
     shown = capsys.readouterr().out
-    assert "--flip turns them" in shown
-    assert "holds 2 surfaces" in shown
+    assert "--flip turns the normals" in shown
+    assert "unchecked" in shown
+    assert "surface 2" in shown
 
 
 def test_catalogues_from_a_file(tmp_path):
@@ -107,6 +117,8 @@ def test_refused_options(options, capsys):
 
 
 def test_the_worst_point_is_the_least_of_all():
-    check = check_surface(load_surfaces("khan-9-1-free-form")[0], read_cutter(["ball", "diameter_mm=30"]),
-                          read_mills("khan"), grid=11)  # fmt: skip
-    assert check.samples.comparison.least[check.worst] == np.min(check.samples.comparison.least[check.samples.touches])
+    asked = read_faces("khan-9-1-free-form")
+    check = check_faces(asked, read_cutter(["ball", "diameter_mm=30"]), read_mills("khan"), grid=11)
+    seen = check.looks[0].samples
+    assert check.worst.least <= np.min(seen.comparison.least[seen.touches])
+    assert check.worst.least == pytest.approx(1.0 / 15.0 - 0.05 * np.sqrt(2.0), abs=1e-12)

@@ -53,9 +53,18 @@ def worked_section(worked: dict[str, Any]) -> str:
 
 
 def size_section(sizes: dict[str, Any]) -> str:
-    """One mill for the whole surface, by the thesis and truly."""
+    """One mill for the whole surface, by the thesis and truly, and how sizes spread."""
+    spread = (
+        f"At single points R runs from {_mm(sizes['least_shank_mm'])} to {_mm(sizes['greatest_shank_mm'])}; at "
+        f"{sizes['no_mill_fits']:,} of {sizes['points']:,} points none fits.\n"
+    )
+    return whole_section(sizes) + spread
+
+
+def whole_section(sizes: dict[str, Any]) -> str:
+    """One mill for everything, by the thesis and truly."""
     if "optimum" not in sizes:
-        return "## Tool size\n\nThe tool reaches no point of the surface from above.\n"
+        return "## Tool size\n\nNo mill of the catalogue reaches any point.\n"
     rows = []
     for name, key in (("the thesis's algorithm", "thesis"), ("true optimum", "optimum")):
         mill = sizes[key]
@@ -68,8 +77,7 @@ def size_section(sizes: dict[str, Any]) -> str:
     return (
         "## Largest mill of the catalogue for the whole surface\n\n"
         + table(["", "mill [mm]", "least difference of curvature [1/mm]", ""], rows)
-        + f"\nThe optimum is limited at ({place}) mm. At single points R runs from {_mm(sizes['least_shank_mm'])} to "
-        f"{_mm(sizes['greatest_shank_mm'])}; at {sizes['no_mill_fits']:,} of {sizes['points']:,} points none fits.\n"
+        + f"\nThe optimum is limited at ({place}) mm. "
     )
 
 

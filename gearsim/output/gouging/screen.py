@@ -27,7 +27,7 @@ def print_gouging(result: SculpturedResult | GougeExampleResult, console: Consol
                 f"{name}: {len(cut.rings.contact):,} contacts cut alone, {int(cut.rings.disagree.sum())} against "
                 f"prediction ({int(cut.rings.near.sum())} too near a tie to tell)"
             )
-        for note in size_notes(result.sizes):
+        for note in size_notes(result.sizes.whole, result.sizes.place):
             console.print(note)
     if result.worked:
         agree = sum(r.agrees for r in result.worked)

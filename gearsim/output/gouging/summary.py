@@ -10,6 +10,7 @@ import numpy as np
 from gearsim.cutters.profile import Profile
 from gearsim.gouging.attribution import Cause
 from gearsim.gouging.compare import Decision
+from gearsim.gouging.khan_sizes import SideBySide
 from gearsim.gouging.worked import WorkedRow
 from gearsim.output.summary import number, provenance_figures, worst_at
 from gearsim.result import GougeExampleResult, SculpturedResult, SizeChoice, ToolCut
@@ -61,27 +62,31 @@ def tool_words(cutter: Profile) -> str:
 def size_figures(sizes: SizeChoice) -> dict[str, Any]:
     """The mill for the whole surface, by the thesis's algorithm and truly, and how sizes spread."""
     fits = np.isfinite(sizes.shank)
-    out: dict[str, Any] = {
+    return {
         "points": int(fits.size),
         "no_mill_fits": int(np.count_nonzero(~fits)),
         "least_shank_mm": number(float(np.nanmin(sizes.shank))) if fits.any() else None,
         "greatest_shank_mm": number(float(np.nanmax(sizes.shank))) if fits.any() else None,
+        **whole_figures(sizes.whole, sizes.place),
     }
-    if sizes.whole is None:
-        return out
-    w = sizes.whole
-    return out | {
+
+
+def whole_figures(whole: SideBySide | None, place: Sequence[float]) -> dict[str, Any]:
+    """One mill for everything, by the thesis's algorithm and truly; empty where none reaches anything."""
+    if whole is None:
+        return {}
+    return {
         "thesis": {
-            "shank_mm": number(w.khan[0]),
-            "corner_mm": number(w.khan[1]),
-            "least_difference_per_mm": number(w.least),
-            "gouges": bool(w.least < -1e-9),
+            "shank_mm": number(whole.khan[0]),
+            "corner_mm": number(whole.khan[1]),
+            "least_difference_per_mm": number(whole.least),
+            "gouges": bool(whole.least < -1e-9),
         },
         "optimum": {
-            "shank_mm": number(w.best.shank),
-            "corner_mm": number(w.best.corner),
-            "least_difference_per_mm": number(w.best.least),
-            "limited_at_mm": list(sizes.place),
+            "shank_mm": number(whole.best.shank),
+            "corner_mm": number(whole.best.corner),
+            "least_difference_per_mm": number(whole.best.least),
+            "limited_at_mm": list(place),
         },
     }
 

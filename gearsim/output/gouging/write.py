@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
 
+from gearsim.gouging.khan_sizes import SideBySide
 from gearsim.output.drawer import DATA, finish_drawing, start_drawing
 from gearsim.output.exr import write_exr
 from gearsim.output.gouging.charts import draw_deviation, draw_flat_rule, draw_sizes
@@ -11,9 +13,9 @@ from gearsim.output.gouging.curvature import draw_curvatures
 from gearsim.output.gouging.drawing import write_drawing
 from gearsim.output.gouging.maps import cut_channels, cut_columns, size_channels
 from gearsim.output.gouging.plots import Sheet, example_sheets, run_sheet
-from gearsim.output.gouging.summary import size_figures, tool_words
+from gearsim.output.gouging.summary import tool_words, whole_figures
 from gearsim.output.table import write_parquet
-from gearsim.result import GougeExampleResult, SculpturedResult, SizeChoice
+from gearsim.result import GougeExampleResult, SculpturedResult
 
 
 def write_sculptured(result: SculpturedResult, stage: Path) -> list[str]:
@@ -25,8 +27,8 @@ def write_sculptured(result: SculpturedResult, stage: Path) -> list[str]:
     write_exr({"tool_size": size_channels(result.sizes)}, result, stage / "tool_size.exr")
     write_parquet([cut_columns(result, name) for name in result.cuts], result, stage / "samples.parquet")
     draw_deviation(result, labels, stage / "deviation.png")
-    draw_sizes(result.sizes, f"{result.name}: largest mill of the catalogue", size_notes(result.sizes),
-               stage / "tool_size.png")  # fmt: skip
+    notes = size_notes(result.sizes.whole, result.sizes.place)
+    draw_sizes(result.sizes, f"{result.name}: largest mill of the catalogue", notes, stage / "tool_size.png")
     _draw_sheet(run_sheet(result.name, result.plotted.tools, labels), stage)
     return finish_drawing(drawing, stage, ["surface.png"])
 
@@ -43,11 +45,11 @@ def write_examples(result: GougeExampleResult, stage: Path) -> dict[str, str]:
     return captions
 
 
-def size_notes(sizes: SizeChoice) -> list[str]:
-    """Thesis and optimum in a line."""
-    figures = size_figures(sizes)
-    if "optimum" not in figures:
-        return ["the tool reaches no point from above"]
+def size_notes(whole: SideBySide | None, place: Sequence[float] = ()) -> list[str]:
+    """Thesis and optimum in a line; ``place`` [mm] limits them."""
+    figures = whole_figures(whole, place)
+    if not figures:
+        return ["no mill of the catalogue reaches any point"]
     words = []
     for name, key in (("the thesis's algorithm", "thesis"), ("true optimum", "optimum")):
         mill = figures[key]
@@ -56,7 +58,8 @@ def size_notes(sizes: SizeChoice) -> list[str]:
         words.append(f"{name}: {size}{gouges}")
     notes = ["one mill for the whole surface: " + "; ".join(words)]
     if figures["optimum"]["shank_mm"] is None:
-        notes.append("no mill of the catalogue fits all contacts at once; a margin leaves the surface's edges out")
+        at = f", not at ({', '.join(f'{x:.4g}' for x in place)}) mm" if place else ""
+        notes.append(f"no mill of the catalogue fits everywhere{at}")
     return notes
 
 

@@ -1,0 +1,126 @@
+"""Maps of faces looked at for local gouging: least difference of curvature and largest mill, as pictures and EXR."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gearsim.cutters.contact import approach
+from gearsim.gouging.fitting import size_map
+from gearsim.gouging.looked import FaceLook
+from gearsim.output.charts import pyplot
+from gearsim.output.gouging.charts import draw_sizes
+from gearsim.output.gouging.curvature import GOUGE
+from gearsim.output.gouging.maps import size_channels
+from gearsim.output.gouging.summary import tool_words
+from gearsim.result import GougeCheck, SizeChoice
+
+_STROKES = 24
+_MOST = 6
+
+
+def draw_faces(check: GougeCheck, notes: list[str], stage: Path) -> dict[str, str]:
+    """Pictures of the tightest faces, six at most, with their captions."""
+    reached = [k for k, f in enumerate(check.looks) if f.reached] or [0]
+    tightest = sorted(reached, key=lambda k: float(np.min(_least(check.looks[k]), initial=np.inf)))[:_MOST]
+    drawn = {}
+    for k in tightest:
+        f = check.looks[k]
+        mark, of = ("", "") if len(check.looks) == 1 else (f"-{k + 1}", f"{f.face.name}: ")
+        title = check.name if not of else f"{check.name}, {f.face.name}"
+        _draw_map(check, f, title, stage / f"gouging{mark}.png")
+        draw_sizes(
+            face_sizes(check, f), f"{title}: largest mill of the catalogue", notes, stage / f"tool_size{mark}.png"
+        )
+        drawn[f"gouging{mark}.png"] = (
+            f"{of}Tool's curvature minus the part's, least over all directions; strokes: worst directions"
+        )
+        drawn[f"tool_size{mark}.png"] = f"{of}The largest mill of the catalogue that does not gouge, point by point"
+    return drawn
+
+
+def face_sizes(check: GougeCheck, f: FaceLook) -> SizeChoice:
+    """The largest mill at every point of a face."""
+    choice = size_map(f, check.mills)
+    shape = f.grid.shape
+    return SizeChoice(f.grid, choice.shank.reshape(shape), choice.corner.reshape(shape), check.mills, check.whole,
+                      check.place)  # fmt: skip
+
+
+def face_channels(check: GougeCheck, f: FaceLook) -> dict[str, NDArray]:
+    """What gouging.exr holds of a face."""
+    seen, known = f.samples.comparison, f.samples.touches
+    values = {
+        "least_difference.per_mm": np.where(known, seen.least, np.nan),
+        "decision": f.samples.decision,
+        "on_face": f.held.ravel().astype(float),
+        "worst_direction.deg": np.where(known, np.degrees(seen.worst), np.nan),
+        "gouging_half_width.deg": np.where(known, np.degrees(seen.half_width), np.nan),
+        "contact_angle.deg": np.degrees(f.samples.contacts.theta),
+    }
+    return {**size_channels(face_sizes(check, f)), **{k: v.reshape(f.grid.shape) for k, v in values.items()}}
+
+
+def _least(f: FaceLook) -> NDArray:
+    return np.where(f.samples.touches, f.samples.comparison.least, np.inf)
+
+
+def _draw_map(check: GougeCheck, f: FaceLook, title: str, file: Path) -> None:
+    """gouging.png: the least difference of curvature, the gouging region outlined, its worst directions as strokes."""
+    plt = pyplot()
+    grid, values = f.grid, _least(f).reshape(f.grid.shape)
+    least = np.where(np.isfinite(values), values, np.nan)
+    figure, axis = plt.subplots(figsize=(9.0, 7.4), constrained_layout=True)
+    axis.set_facecolor("#d9d9d9")
+    known = least[np.isfinite(least)]
+    if known.size:
+        limit = max(float(np.quantile(np.abs(known), 0.98)), 1e-9)
+        image = axis.pcolormesh(grid.length, grid.height, least, cmap="RdBu", vmin=-limit, vmax=limit,
+                                shading="nearest", rasterized=True)  # fmt: skip
+        figure.colorbar(image, ax=axis, label="least of tool minus part [1/mm]; below 0 gouges")
+        if known.min() < -1e-9 < 1e-9 < known.max():
+            axis.contour(grid.length, grid.height, least, levels=[-1e-9], colors="k", linewidths=1.3)
+        _strokes(axis, check, f, least)
+        row, column = np.unravel_index(int(np.nanargmin(least)), grid.shape)
+        axis.plot(grid.length[column], grid.height[row], "o", mfc="none", mec="k", ms=10, mew=1.6)
+    axis.set_xlabel("u [share of the domain]")
+    axis.set_ylabel("v [share of the domain]")
+    gouging = int(f.samples.gouges.sum())
+    axis.set_title(
+        f"{title}, {tool_words(check.cutter)}\n{gouging:,} of {int(f.held.sum()):,} points gouge; circle: tightest; "
+        "grey: out of reach or off the face", fontsize=11,
+    )  # fmt: skip
+    figure.savefig(file, dpi=110)
+    plt.close(figure)
+
+
+def _strokes(axis: Any, check: GougeCheck, f: FaceLook, least: NDArray) -> None:
+    """Worst directions at some gouging points, as they run in the picture."""
+    grid, surface = f.grid, f.face.surface
+    rows, columns = (np.unique(np.linspace(0, n - 1, _STROKES).astype(int)[1:-1]) for n in grid.shape)
+    i, j = (a.ravel() for a in np.meshgrid(rows, columns, indexing="ij"))
+    shown = least[i, j] < -1e-9
+    i, j = i[shown], j[shown]
+    if not len(i):
+        return
+    at = i * grid.shape[1] + j
+    way = _worst_tangents(check, f, at)
+    jet = surface.jet(grid.phi.ravel()[at], grid.v.ravel()[at])
+    e, g12, g = (np.einsum("ni,ni->n", a, b) for a, b in ((jet.ru, jet.ru), (jet.ru, jet.rv), (jet.rv, jet.rv)))
+    p, q = (np.einsum("ni,ni->n", way, d) for d in (jet.ru, jet.rv))
+    (u0, u1), (v0, v1) = surface.domain
+    square = e * g - g12 * g12
+    du, dv = (g * p - g12 * q) / square / (u1 - u0), (e * q - g12 * p) / square / (v1 - v0)
+    size = 0.4 / _STROKES / np.hypot(du, dv)
+    x, y = grid.length[j], grid.height[i]
+    axis.plot([x - size * du, x + size * du], [y - size * dv, y + size * dv], color=GOUGE, lw=1.2)
+
+
+def _worst_tangents(check: GougeCheck, f: FaceLook, at: NDArray) -> NDArray:
+    normal = f.grid.normal.reshape(-1, 3)[at]
+    uphill = approach(normal, check.axis).uphill
+    angle = f.samples.comparison.worst[at][:, None]
+    return np.asarray(np.cos(angle) * uphill + np.sin(angle) * np.cross(normal, uphill))
