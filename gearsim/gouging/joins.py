@@ -107,8 +107,8 @@ def _walk(loop: Sequence[NDArray]) -> NDArray:
 
 
 def _leaving(e: NDArray) -> NDArray:
-    """The way in which a curve of points (n, 2) leaves its first one, to second order where there are three."""
-    return -3.0 * e[0] + 4.0 * e[1] - e[2] if len(e) > 2 else e[1] - e[0]
+    """The way in which a curve of points (n, 2) leaves its first one, to fourth order where there are five."""
+    return np.asarray(np.array([-25.0, 48.0, -36.0, 16.0, -3.0]) @ e[:5] if len(e) > 4 else e[1] - e[0])
 
 
 def _neighbours(
@@ -143,7 +143,7 @@ class _Target:
         self.guess = np.stack([u[column], v[row]], axis=1)
         if face.loops:
             self.guess = np.concatenate([self.guess, *[e for loop in face.loops for e in loop]])
-            self.outline = _Outline(face)
+            self.outline = _Outline(face, tolerance)
         self.points = surface.jet(*self.guess.T).r
         self.tree = cKDTree(self.points)
 
@@ -197,8 +197,9 @@ class _Target:
 class _Outline:
     """The boundary of a trimmed face, looked up by points in space."""
 
-    def __init__(self, face: Face):
-        self.face = face
+    def __init__(self, face: Face, tolerance: float):
+        self.face, self.tolerance = face, tolerance
+        self.span = np.array([high - low for low, high in face.surface.domain])
         self.rows = np.concatenate([_walk(loop) for loop in face.loops])
         self.corner = _corners(face.surface, self.rows)
         self.start, self.end = (face.surface.jet(*x.T).r for x in face.outline)
@@ -206,12 +207,14 @@ class _Outline:
         self.begin = face.outline[0]
         bends = [np.diff(face.surface.jet(*e.T).r, 2, axis=0) for loop in face.loops for e in loop]
         self.sag = 0.25 * max(float(np.linalg.norm(b, axis=1).max(initial=0.0)) for b in bends)
-        self.corners = cKDTree(face.surface.jet(*self.rows[self.corner, :2].T).r) if self.corner.any() else None
+        self.vertices = cKDTree(self._keys(self.rows[:, :2]))
+        self.corners = cKDTree(self._keys(self.rows[self.corner, :2])) if self.corner.any() else None
 
     def sides(self, number: int, place: NDArray, u: NDArray, v: NDArray, at: Sides, tolerance: float) -> Sides:
         """The face's sides at points on it: at its corners, its border, or inside; none off it."""
         surface = self.face.surface
-        gap, way = self._nearest(at.point)
+        gap, way = self._nearest(at.point, np.stack([u, v], axis=1))
+        keys = self._keys(np.stack([u, v], axis=1))
         border = gap <= tolerance + self.sag
         inside = ~border & self.face.holds_points(u, v)
         found = [
@@ -219,23 +222,30 @@ class _Outline:
         ]
         corner, rows = np.zeros(len(u), dtype=bool), self.rows[self.corner]
         if self.corners is not None:
-            apart, which = self.corners.query(at.point)
+            apart, which = self.corners.query(keys)
             corner = border & (apart <= tolerance)
             mine = rows[which[corner]]
             found.append(half_sides(surface, number, place[corner], mine[:, 0], mine[:, 1], mine[:, 2:4], mine[:, 4:6]))
         edge = border & ~corner
+        apart, which = self.vertices.query(keys)
+        way = np.where((apart <= tolerance)[:, None], self.rows[which, 2:4], way)
         found.append(_along_border(surface, number, place[edge], u[edge], v[edge], way[edge], at[edge]))
         return joined(found)
 
-    def _nearest(self, point: NDArray) -> tuple[NDArray, NDArray]:
-        """Distance [mm] to the boundary's straight pieces, and the way in (u, v) along the nearest."""
+    def _keys(self, at: NDArray) -> NDArray:
+        """Points [mm] with their parameters behind them, which tell the two borders of a seam apart."""
+        return np.hstack([self.face.surface.jet(*at.T).r, 10.0 * self.tolerance * at / self.span])
+
+    def _nearest(self, point: NDArray, at: NDArray) -> tuple[NDArray, NDArray]:
+        """Distance [mm] to the boundary's straight pieces, and the way in (u, v) along the nearest; ``at``: (u, v)."""
         along = self.end - self.start
         square = np.maximum(np.einsum("mi,mi->m", along, along), 1e-300)
         gap, which = np.empty(len(point)), np.empty(len(point), dtype=int)
         for i, p in enumerate(point):
             share = np.clip(np.einsum("mi,mi->m", p - self.start, along) / square, 0.0, 1.0)
             apart = np.linalg.norm(p - self.start - share[:, None] * along, axis=1)
-            which[i] = int(np.argmin(apart))
+            across = np.max(np.abs(self.begin + 0.5 * self.way - at[i]) / self.span, axis=1) > _SEAM
+            which[i] = int(np.argmin(np.where(across, np.inf, apart)))
             gap[i] = apart[which[i]]
         return gap, self.way[which]
 

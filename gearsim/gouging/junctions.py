@@ -28,7 +28,7 @@ _TRIM = 0.02
 """Left out [rad] at the ends of a sector where it is asked whether it rises: there it meets its neighbours."""
 _ALIGNED = 2e-3
 """Within this of each other [rad] the border of a sector and of the tool's two sides are one."""
-_FAN = 9
+_APART = 1e-6
 _TURNS = 8
 
 
@@ -174,9 +174,15 @@ def _in_sector(sides: Sides, tool: Tool, theta: NDArray, uphill: NDArray) -> NDA
     e2 = np.cross(sides.normal, e1)
     part = Tensor(*(np.einsum("ni,nij,nj->n", a, sides.bend, b) for a, b in ((e1, e1), (e1, e2), (e2, e2))))
     start = np.arctan2(_dot(sides.start, e2), _dot(sides.start, e1))
-    for half in (-0.5 * np.pi, 0.5 * np.pi):
-        start = np.where(np.abs(start - half) <= _ALIGNED, half, start)
-    return least_in_sectors(tool.contact(theta), part, start, sides.width)
+    end = _aligned(start + sides.width)
+    start = _aligned(start)
+    return least_in_sectors(tool.contact(theta), part, start, end - start)
+
+
+def _aligned(angle: NDArray) -> NDArray:
+    """Directions [rad] put onto the border of the tool's two sides, across uphill, where they all but lie on it."""
+    border = (np.round(angle / np.pi - 0.5) + 0.5) * np.pi
+    return np.where(np.abs(angle - border) <= _ALIGNED, border, angle)
 
 
 def _in_corner(touched: Sides, other: Sides, tool: Tool, axis: ArrayLike) -> NDArray:
@@ -224,11 +230,13 @@ def _folded(one: Sides, two: Sides) -> NDArray[np.intp]:
 
 
 def _ridges(sides: Sides, pairs: Pairs) -> Ridges:
-    """Normals between those of convex edges' two sides where the edge is hollow as seen along one of them.
+    """Normals between those of convex edges' two sides where the edge is more hollow than along either of them.
 
-    The edge's curvature vector has the components of both sides along their normals (Meusnier).
+    At an edge's end it goes on one way only; there its neighbours stand for it. The edge's curvature vector has the
+    components of both sides along their normals (Meusnier).
     """
-    p = (pairs.kind == Join.CONVEX) & (pairs.touched < pairs.other)
+    half = np.abs(sides.width - np.pi) < 1e-3
+    p = (pairs.kind == Join.CONVEX) & (pairs.touched < pairs.other) & half[pairs.touched] & half[pairs.other]
     a, b = pairs.touched[p], pairs.other[p]
     n1, n2 = sides.normal[a], sides.normal[b]
     cosine = _dot(n1, n2)
@@ -237,11 +245,9 @@ def _ridges(sides: Sides, pairs: Pairs) -> Ridges:
     k1, k2 = (np.einsum("ni,nij,nj->n", along, sides.bend[i], along) for i in (a, b))
     with np.errstate(divide="ignore", invalid="ignore"):
         steepest = np.arctan2((k2 - cosine * k1) / np.sin(fan), k1) / fan
-    shares = np.concatenate(
-        [np.broadcast_to(np.linspace(0.0, 1.0, _FAN + 2)[1:-1], (len(a), _FAN)), steepest[:, None]], 1
-    )
+    shares = steepest[:, None]
     with np.errstate(invalid="ignore"):
-        inside = (shares > 0.0) & (shares < 1.0) & ((fan > SMOOTH) & (np.pi - fan > SMOOTH))[:, None]
+        inside = (shares > _APART) & (shares < 1.0 - _APART) & ((fan > SMOOTH) & (np.pi - fan > SMOOTH))[:, None]
         first, second = np.sin((1.0 - shares) * fan[:, None]), np.sin(shares * fan[:, None])
         bend = (first * k1[:, None] + second * k2[:, None]) / np.sin(fan)[:, None]
         row, column = np.nonzero(inside & (bend > 0.0))

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from gearsim.surfaces.nurbs import NurbsSurface
 from gearsim.surfaces.patch import Jet
 
+_CUSP = 1e-2  # rad: a boundary that turns back so sharply ends a face in a cusp
 _FLAT = 1e-9
 """Part of the surface's size by its domain, below which a tangent counts as none (an edge that is a point)."""
 
@@ -55,7 +56,7 @@ class Sides:
     def highest(self, way: NDArray, trim: float) -> NDArray:
         """The largest product of vectors (n, 3) with the sector's unit tangents, ``trim`` [rad] off its ends, (n,)."""
         x, y = _dot(self.start, way), _dot(np.cross(self.normal, self.start), way)
-        low, high = trim, self.width - trim
+        low, high = np.minimum(trim, 0.5 * self.width), np.maximum(self.width - trim, 0.5 * self.width)
         top = np.mod(np.arctan2(y, x) - low, 2.0 * np.pi) <= high - low
         ends = [x * np.cos(a) + y * np.sin(a) for a in (low, high)]
         return np.where(top, np.hypot(x, y), np.maximum(*ends))
@@ -90,7 +91,8 @@ def half_sides(surface: NurbsSurface, face: int, place: NDArray, u: NDArray, v: 
     jet = surface.jet(u, v)
     on, back = (unit_tangents(w[:, :1] * jet.ru + w[:, 1:] * jet.rv, _FLAT * surface.size) for w in (ways, -behind))
     start, end = (back, on) if surface.flip else (on, back)
-    return _sector(jet, face, place, u, v, start, end)
+    found = _sector(jet, face, place, u, v, start, end)
+    return replace(found, width=np.where(found.width > 2.0 * np.pi - _CUSP, 0.0, found.width))
 
 
 def sides_about(surface: NurbsSurface, face: int, place: NDArray, u: NDArray, v: NDArray,
