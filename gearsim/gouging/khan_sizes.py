@@ -17,6 +17,8 @@ from gearsim.gouging.sizes import JointChoice, largest_joint_mill, least_differe
 from gearsim.gouging.standard_mills import KHAN_CORNER_LEAST, KHAN_CORNER_STEP, KHAN_RADII, khan_mills
 from gearsim.gouging.tensors import Tensor
 
+_ROUNDING = 1e-9
+
 
 class KhanChoice(NamedTuple):
     """Khan's mills at contacts, shape (n,): R and r [mm] (nan: none found), his case, his limit on R [mm].
@@ -45,7 +47,7 @@ def khan_mill(theta: NDArray, part: Tensor, radii: tuple[float, ...] = KHAN_RADI
     smallest = least_difference(min(radii), KHAN_CORNER_LEAST, theta, part) < -TIE
     shank, corner = np.full(len(theta), np.nan), np.full(len(theta), np.nan)
     for big in sorted(radii, reverse=True):
-        allowed = big < limit if strict else big <= limit
+        allowed = big < limit * (1.0 - _ROUNDING) if strict else big <= limit * (1.0 + _ROUNDING)
         waiting = np.flatnonzero(np.isnan(shank) & allowed)
         r = _lowered(big, np.minimum(first[waiting], big), theta[waiting], part[waiting])
         shank[waiting] = np.where(np.isnan(r), np.nan, big)
