@@ -17,7 +17,7 @@ from gearsim.metrology.deviation import Crossing
 from gearsim.metrology.findings import Finding
 from gearsim.metrology.machine import MachineFor
 from gearsim.metrology.roads import LIMIT_UM
-from gearsim.metrology.samples import SampleGrid, sample_grid
+from gearsim.metrology.samples import SampleGrid
 from gearsim.metrology.verdict import untouched
 from gearsim.result import GougeExampleResult, PlotPoint, SculpturedResult, SizeChoice, ToolCut, Verdict, versions
 from gearsim.scene import SculpturedScene, scene_table
