@@ -65,8 +65,8 @@ def section(patch, origin, across, up, heights):
 def test_profile_rays_stand_on_the_section_through_the_mean_point(tooth, family, side):
     """Points and directions from the section alone: a fine polyline's tangents, turned out of the material.
 
-    The plane of the ruled tooth stands on the lengthwise curve's mean point, that of the face-milled tooth on the
-    flank's own.
+    The plane stands on the lengthwise curve's mean point: the face-milled slot's is the middle between its walls on the
+    pitch cone.
     """
     offsets, contact = np.array([-2.0, -0.5, 0.0, 0.5, 2.0]), 4.366
     slot = tooth if family == "ruled" else make_face_milled()
@@ -74,8 +74,12 @@ def test_profile_rays_stand_on_the_section_through_the_mean_point(tooth, family,
     middle = bottom.jet(*bottom.locate(np.array([0.5]), np.array([0.5]))).r[0]
     origin, heights = middle, contact + offsets
     if family == "face-milled":
-        above = contact - float(blank.dedendum_at(blank.mean))
-        origin, heights = patch.jet(*patch.meet(np.array([blank.mean]), np.array([above]))).r[0], offsets
+        walls = (slot.flank(s) for s in SIDES)
+        on_cone = sum(w.jet(*w.meet(np.array([blank.mean]), np.array([0.0]))).r[0] for w in walls)
+        sine, cosine = np.sin(blank.pitch), np.cos(blank.pitch)
+        azimuth = on_cone[:2] / np.linalg.norm(on_cone[:2])
+        pitch_point = blank.mean * np.array([*(sine * azimuth), cosine])
+        origin = pitch_point - float(blank.dedendum_at(blank.mean)) * np.array([*(cosine * azimuth), -sine])
     across, up = blank.cone_directions(origin)
     normal, in_plane = profile_rays(patch, offsets, contact)
     step = 1e-4
