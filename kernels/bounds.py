@@ -10,7 +10,7 @@ This bounds from below how early the ray can be entered near a known pose.
 import warp as wp
 
 from gearsim.kernels.contact import Contact
-from gearsim.kernels.profile import FAR, TINY, greater, lesser
+from gearsim.kernels.tool_ray import FAR, TINY, greater, lesser
 
 f64 = wp.float64
 

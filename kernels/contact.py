@@ -2,16 +2,16 @@
 
 import warp as wp
 
-from gearsim.kernels.distance import closest_point, outside_distance
 from gearsim.kernels.pose import Motion, Pose, pose_at
-from gearsim.kernels.profile import FAR, TINY, Cutter, Hit, ToolRay, cutter_interval, face_normal, greater, tool_ray
+from gearsim.kernels.profile import Cutter, Hit, cutter_interval, face_normal
+from gearsim.kernels.tool_ray import FAR, TINY, ToolRay, greater, tool_ray
 
 f64 = wp.float64
 
 
 @wp.struct
 class Contact:
-    """Where a ray enters the cutter at pose x: parameter, F_x and -F_tau.
+    """Where a ray enters the cutter at pose x: parameter, F_x and -F_tau, and where it leaves it again (``far``).
 
     ``found`` 0 where it misses: then tau is FAR.
     """
@@ -19,6 +19,7 @@ class Contact:
     found: wp.int32
     x: f64
     tau: f64
+    far: f64
     push: f64
     steep: f64
 
@@ -61,8 +62,10 @@ def end_of(cutter: Cutter, pose: Pose, ray: ToolRay, hit: Hit, x: f64, side: int
         w = ray.w0 + tau * ray.w1
         r = greater(wp.length(w), TINY)
         c = with_rates(pose, ray, x, tau + ray.shift, z, w, r, face_normal(cutter, face, r, z))
+        c.far = hit.hi + ray.shift
         if side == 1:
             c.tau = -c.tau
+            c.far = -hit.lo - ray.shift
             c.steep = -c.steep
         c.steep = greater(c.steep, f64(0.0))
     return c
@@ -104,17 +107,3 @@ def overlap(a: Chord, b: Chord) -> bool:
     if a.entry.found == 0 or b.entry.found == 0:
         return False
     return a.entry.tau <= -b.exit.tau and b.entry.tau <= -a.exit.tau
-
-
-@wp.func
-def gap_at(cutter: Cutter, motion: Motion, row: int, origin: wp.vec3d, direction: wp.vec3d, x: f64) -> wp.vec2d:
-    """Distance between a ray that misses and the cutter at x, and its derivative by x."""
-    pose = pose_at(motion, row, x)
-    ray = tool_ray(pose.tip, pose.axis, cutter.middle, origin, direction)
-    tau = closest_point(cutter, ray)
-    z = ray.z0 + tau * ray.dz
-    w = ray.w0 + tau * ray.w1
-    r = greater(wp.length(w), TINY)
-    d = outside_distance(cutter, r, z)
-    c = with_rates(pose, ray, x, tau, z, w, r, wp.vec2d(d[1], d[2]))
-    return wp.vec2d(d[0], c.push)

@@ -6,7 +6,8 @@ an arc counts as the ball that holds it, or as its cylinder where it is centred 
 
 import warp as wp
 
-from gearsim.kernels.profile import FAR, LINE, TINY, Cutter, ball_interval, greater, lesser, line_interval, tool_ray
+from gearsim.kernels.profile import LINE, Cutter
+from gearsim.kernels.tool_ray import FAR, TINY, ball_interval, greater, lesser, line_interval, tool_ray
 
 f64 = wp.float64
 
@@ -24,7 +25,7 @@ class Groups:
     spread: wp.array(dtype=f64)
 
 
-PAD = wp.constant(f64(1.0e-6))
+PAD = wp.constant(f64(1.0e-7))
 
 
 @wp.func
@@ -33,7 +34,7 @@ def near_stretch(
 ) -> wp.vec2d:  # fmt: skip
     """The part of a ray's window within ``spread`` [mm] of the cutter at a pose, or a little more; empty (1, 0)."""
     ray = tool_ray(tip, axis, cutter.middle, origin, direction)
-    grown = spread + PAD
+    grown = spread + PAD * cutter.size + f64(1.0e3) * cutter.skin
     per_dz = FAR
     if wp.abs(ray.dz) > TINY:
         per_dz = f64(1.0) / ray.dz

@@ -1,97 +1,81 @@
-"""How far a ray that misses the cutter at rest passes it: needed only where hits may hide between poses."""
+"""The nearest place of the cutter's surface, for points outside it as for those inside."""
 
 import warp as wp
 
-from gearsim.kernels.profile import FAR, LINE, TINY, Cutter, ToolRay
+from gearsim.kernels.profile import LINE, Cutter
+from gearsim.kernels.tool_ray import FAR, TINY, greater
 
 f64 = wp.float64
 
-GAP_STEPS = wp.constant(90)
+
+@wp.func
+def nearer(best: wp.vec3d, r: f64, z: f64, at_r: f64, at_z: f64) -> wp.vec3d:
+    """The nearer of a place known as ``surface_distance`` gives it and an edge at (at_r, at_z)."""
+    out = r - at_r
+    up = z - at_z
+    d = wp.sqrt(out * out + up * up)
+    if d < best[0]:
+        scale = f64(1.0) / greater(d, TINY)
+        return wp.vec3d(d, out * scale, up * scale)
+    return best
 
 
 @wp.func
-def outside_distance(cutter: Cutter, r: f64, z: f64) -> wp.vec3d:
-    """Distance of a point outside the cutter to it, with the unit gradient (nr, nz); about 0 inside."""
-    best = FAR
-    near_r = f64(0.0)
-    near_z = f64(0.0)
+def face_nearest(cutter: Cutter, k: int, r: f64, z: f64) -> wp.vec3d:
+    """Slab k's line or arc as ``surface_distance`` gives it, where the point is opposite to it; else FAR away."""
+    z0 = cutter.slabs[k, 0]
+    rise = cutter.slabs[k, 1] - z0
+    r0 = cutter.slabs[k, 2]
+    if cutter.slabs[k, 5] == LINE:
+        slope = cutter.slabs[k, 3]
+        scale = f64(1.0) / cutter.slabs[k, 4]
+        along = ((r - r0) * slope + (z - z0)) * scale * scale
+        if along > f64(0.0) and along < rise:
+            return wp.vec3d(wp.abs((r - r0) - slope * (z - z0)) * scale, scale, -slope * scale)
+        return wp.vec3d(FAR, f64(0.0), f64(0.0))
+    rho = cutter.slabs[k, 4]
+    out = greater(r - r0, f64(0.0))
+    up = z - cutter.slabs[k, 3]
+    length = wp.sqrt(out * out + up * up)
+    scale = f64(1.0) / greater(length, TINY)
+    along = cutter.slabs[k, 3] + rho * up * scale - z0
+    rounding = TINY * cutter.size
+    if along > -rounding and along < rise + rounding:
+        return wp.vec3d(wp.abs(length - rho), out * scale, up * scale)
+    return wp.vec3d(FAR, f64(0.0), f64(0.0))
+
+
+@wp.func
+def slab_radius(cutter: Cutter, k: int, z: f64) -> f64:
+    """Radius of slab k at height z."""
+    r0 = cutter.slabs[k, 2]
+    if cutter.slabs[k, 5] == LINE:
+        return r0 + cutter.slabs[k, 3] * (z - cutter.slabs[k, 0])
+    rho = cutter.slabs[k, 4]
+    up = z - cutter.slabs[k, 3]
+    return greater(r0 + wp.sqrt(greater(rho * rho - up * up, f64(0.0))), f64(0.0))
+
+
+@wp.func
+def surface_distance(cutter: Cutter, r: f64, z: f64) -> wp.vec3d:
+    """Distance of a point to the part's surface, and the unit normal (nr, nz) that the surface has there.
+
+    On an edge the normal is that towards the point, which must then be outside. Faces give theirs, so that a
+    point that all but touches has one without noise.
+    """
+    best = wp.vec3d(FAR, f64(0.0), f64(0.0))
     for k in range(cutter.first, cutter.end):
         z0 = cutter.slabs[k, 0]
         z1 = cutter.slabs[k, 1]
-        r0 = cutter.slabs[k, 2]
-        r1 = r0
-        if cutter.slabs[k, 5] == LINE:
-            slope = cutter.slabs[k, 3]
-            r1 = r0 + slope * (z1 - z0)
-            along = ((r - r0) * slope + (z - z0)) / (f64(1.0) + slope * slope)
-            along = wp.clamp(along, f64(0.0), z1 - z0)
-            pr = r0 + slope * along
-            pz = z0 + along
-        else:
-            zc = cutter.slabs[k, 3]
-            rho = cutter.slabs[k, 4]
-            out = wp.max(r - r0, f64(0.0))
-            length = wp.max(wp.sqrt(out * out + (z - zc) * (z - zc)), TINY)
-            pz = wp.clamp(zc + rho * (z - zc) / length, z0, z1)
-            pr = r0 + wp.sqrt(wp.max(rho * rho - (pz - zc) * (pz - zc), f64(0.0)))
-            r1 = r0 + wp.sqrt(wp.max(rho * rho - (z1 - zc) * (z1 - zc), f64(0.0)))
-            r0 = r0 + wp.sqrt(wp.max(rho * rho - (z0 - zc) * (z0 - zc), f64(0.0)))
-        d = wp.sqrt((r - pr) * (r - pr) + (z - pz) * (z - pz))
-        if d < best:
-            best = d
-            near_r = pr
-            near_z = pz
-        if k == cutter.first:
-            pr = wp.min(r, r0)
-            d = wp.sqrt((r - pr) * (r - pr) + (z - z0) * (z - z0))
-            if d < best:
-                best = d
-                near_r = pr
-                near_z = z0
-        if k == cutter.end - 1:
-            pr = wp.min(r, r1)
-            d = wp.sqrt((r - pr) * (r - pr) + (z - z1) * (z - z1))
-            if d < best:
-                best = d
-                near_r = pr
-                near_z = z1
-    scale = f64(1.0) / wp.max(best, TINY)
-    return wp.vec3d(best, (r - near_r) * scale, (z - near_z) * scale)
-
-
-@wp.func
-def ray_distance(cutter: Cutter, ray: ToolRay, tau: f64) -> wp.vec2d:
-    """Distance of the ray's point to the cutter, and its derivative along the ray."""
-    w = ray.w0 + tau * ray.w1
-    r = wp.length(w)
-    d = outside_distance(cutter, r, ray.z0 + tau * ray.dz)
-    rate = d[2] * ray.dz
-    if r > TINY:
-        rate += d[1] * wp.dot(w, ray.w1) / r
-    return wp.vec2d(d[0], rate)
-
-
-@wp.func
-def closest_point(cutter: Cutter, ray: ToolRay) -> f64:
-    """Tau at which a ray that misses the cutter comes closest to it; safeguarded secant on the derivative."""
-    a = -cutter.size
-    b = cutter.size
-    fa = f64(-1.0)
-    fb = f64(1.0)
-    tau = f64(0.0)
-    step = int(0)
-    while step < GAP_STEPS:
-        tau = f64(0.5) * (a + b)
-        if step % 2 == 1 and fb > fa:
-            tau = wp.clamp((a * fb - b * fa) / (fb - fa), a + f64(0.01) * (b - a), b - f64(0.01) * (b - a))
-        f = ray_distance(cutter, ray, tau)[1]
-        if wp.abs(f) < f64(1.0e-12) or b - a < f64(1.0e-13):
-            break
-        if f < f64(0.0):
-            a = tau
-            fa = f
-        else:
-            b = tau
-            fb = f
-        step += 1
-    return tau
+        r0 = slab_radius(cutter, k, z0)
+        r1 = slab_radius(cutter, k, z1)
+        face = face_nearest(cutter, k, r, z)
+        if face[0] < best[0]:
+            best = face
+        best = nearer(best, r, z, r0, z0)
+        best = nearer(best, r, z, r1, z1)
+        if k == cutter.first and r < r0 and wp.abs(z - z0) < best[0]:
+            best = wp.vec3d(wp.abs(z - z0), f64(0.0), f64(-1.0))
+        if k == cutter.end - 1 and r < r1 and wp.abs(z - z1) < best[0]:
+            best = wp.vec3d(wp.abs(z - z1), f64(0.0), f64(1.0))
+    return best

@@ -2,7 +2,7 @@
 
 import warp as wp
 
-from gearsim.kernels.profile import FAR
+from gearsim.kernels.tool_ray import FAR
 
 f64 = wp.float64
 

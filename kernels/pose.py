@@ -41,3 +41,15 @@ def pose_at(motion: Motion, row: int, x: f64) -> Pose:
         pose.tip = pose.tip * x + motion.tip[row, k]
         pose.axis = pose.axis * x + motion.axis[row, k]
     return pose
+
+
+@wp.func
+def place_at(motion: Motion, row: int, x: f64) -> Pose:
+    """The same without the derivatives."""
+    pose = Pose()
+    pose.tip = motion.tip[row, 5]
+    pose.axis = motion.axis[row, 5]
+    for i in range(5):
+        pose.tip = pose.tip * x + motion.tip[row, 4 - i]
+        pose.axis = pose.axis * x + motion.axis[row, 4 - i]
+    return pose

@@ -7,6 +7,7 @@ from gearsim.kernels.interval import IntervalLists, covers
 from gearsim.kernels.pose import Motion
 from gearsim.kernels.profile import Cutter, Cutters, convex_part
 from gearsim.kernels.sweep import cut_by_segment
+from gearsim.kernels.tool_ray import greater
 
 f64 = wp.float64
 
@@ -19,6 +20,7 @@ wp.set_module_options(
 )
 
 CAPSULE_PAD = wp.constant(wp.float32(1.0e-3))
+CAPSULE_SHARE = wp.constant(wp.float32(1.0e-6))
 
 
 @wp.func
@@ -29,6 +31,15 @@ def may_cut(
     """Whether the cutter within ``spread`` [mm] of a pose may meet what the ray's list does not hold yet."""
     near = near_stretch(cutter, tip, axis, spread, origin, direction, window)
     return near[0] <= near[1] and not covers(lists, ray, near[0], near[1])
+
+
+@wp.func
+def extent_of(a: wp.vec3d, b: wp.vec3d) -> f64:
+    """Bound of the coordinates [mm] on the way from a to b, three of them added."""
+    sum = f64(0.0)
+    for i in range(3):
+        sum += greater(wp.abs(a[i]), wp.abs(b[i]))
+    return sum
 
 
 @wp.kernel
@@ -61,15 +72,15 @@ def cut_rays(
     root = wp.bvh_get_group_root(bvh, job[ray])
     if root < 0:
         return
+    extent = extent_of(o + window[0] * d, o + window[1] * d)
     candidates = int(0)
     pairs = int(0)
     status = int(0)
     for p in range(cutters.job_first[job[ray]], cutters.job_first[job[ray] + 1]):
-        part = convex_part(cutters, p)
+        part = convex_part(cutters, p, extent)
         candidates = int(0)
-        query = wp.bvh_query_capsule(
-            bvh, wp.vec3(o + window[0] * d), wp.vec3((window[1] - window[0]) * d), CAPSULE_PAD, root
-        )
+        pad = CAPSULE_PAD + CAPSULE_SHARE * wp.float32(extent)
+        query = wp.bvh_query_capsule(bvh, wp.vec3(o + window[0] * d), wp.vec3((window[1] - window[0]) * d), pad, root)
         group = int(0)
         while wp.bvh_query_next(query, group, wp.float32(1.0)):
             row = groups.first[group]

@@ -8,7 +8,7 @@ or arc that is the distance from its centre less its radius. So no nearest eleme
 import warp as wp
 
 from gearsim.kernels.pose import Motion, pose_at
-from gearsim.kernels.profile import FAR, TINY, line_interval, tool_ray
+from gearsim.kernels.tool_ray import FAR, TINY, line_interval, tool_ray
 
 f64 = wp.float64
 

@@ -8,15 +8,15 @@ lies in the tool at some pose, so no gap is spanned.
 import warp as wp
 
 from gearsim.kernels.pose import Motion
-from gearsim.kernels.profile import FAR
 from gearsim.kernels.ring import Gap, Ring, gap_of
+from gearsim.kernels.tool_ray import FAR
 
 f64 = wp.float64
 
 DEEPEST_STEPS = wp.constant(60)
 FOLLOW_STEPS = wp.constant(1000)
 ROUNDS = wp.constant(300)
-SETTLED = wp.constant(f64(1.0e-12))
+SETTLED = wp.constant(f64(1.0e-13))
 
 
 @wp.struct

@@ -26,7 +26,7 @@ def cut_by_ring(
 
     What the list covers is not looked at again; the rest is searched until no hit is left.
     """
-    slack = f64(0.1) * tolerance
+    slack = f64(1.0e-3) * tolerance
     status = int(0)
     sweeps = int(0)
     from_tau = lo

@@ -7,8 +7,8 @@ point, with n = (nr, nz) the gradient of f there,
 B is what the point's path as the tool sees it bends (K, w: bounds on its second derivatives); C is there on
 the hole's side only, where r grows by b²/2r over a step b around the axis (a_x, a_tau: rates that way). A
 box of poses and ray points whose bound is above minus the slack holds no hit deeper than the slack;
-otherwise it is halved, down a binary tree that is walked without a stack, to a depth at which boxes are
-smaller than what could matter.
+otherwise it is halved, down a binary tree that is walked without a stack. Where the smallest
+boxes still leave room for one, the search is lost.
 """
 
 import warp as wp
@@ -19,7 +19,8 @@ from gearsim.kernels.ring import Gap, Ring, gap_of
 f64 = wp.float64
 
 SEARCH_EVALUATIONS = wp.constant(50000)
-MAX_DEPTH = wp.constant(60)
+MAX_DEPTH = wp.constant(120)
+WORD = wp.constant(60)
 ONE = wp.constant(wp.int64(1))
 NONE = wp.constant(0)
 HIT = wp.constant(1)
@@ -28,10 +29,18 @@ LOST = wp.constant(2)
 
 @wp.struct
 class Find:
-    """Outcome of a search (NONE, HIT, LOST: evaluations used up) and the hit."""
+    """Outcome of a search (NONE, HIT, LOST: evaluations used up or boxes too small to halve) and the hit."""
 
     outcome: wp.int32
     hit: Gap
+
+
+@wp.struct
+class Bits:
+    """120 bits."""
+
+    low: wp.int64
+    high: wp.int64
 
 
 @wp.struct
@@ -47,24 +56,35 @@ class Box:
     tau: f64
     ht: f64
     depth: wp.int32
-    in_tau: wp.int64
-    up: wp.int64
-    second: wp.int64
+    in_tau: Bits
+    up: Bits
+    second: Bits
 
 
 @wp.func
-def bit(bits: wp.int64, k: int) -> bool:
+def bit(bits: Bits, k: int) -> bool:
     """Whether bit k is set."""
-    return ((bits >> wp.int64(k)) & ONE) == ONE
+    if k < WORD:
+        return ((bits.low >> wp.int64(k)) & ONE) == ONE
+    return ((bits.high >> wp.int64(k - WORD)) & ONE) == ONE
 
 
 @wp.func
-def with_bit(bits: wp.int64, k: int, value: bool) -> wp.int64:
+def with_bit(bits: Bits, k: int, value: bool) -> Bits:
     """The bits with bit k set to a value."""
-    mask = ONE << wp.int64(k)
+    low = wp.int64(0)
+    high = wp.int64(0)
+    if k < WORD:
+        low = ONE << wp.int64(k)
+    else:
+        high = ONE << wp.int64(k - WORD)
+    changed = Bits()
+    changed.low = bits.low & (~low)
+    changed.high = bits.high & (~high)
     if value:
-        return bits | mask
-    return bits & (~mask)
+        changed.low = changed.low | low
+        changed.high = changed.high | high
+    return changed
 
 
 @wp.func
@@ -164,6 +184,8 @@ def find_hit(
             return found
         least = least_in(ring, motion, row, g, box.hx, box.ht)
         if box.depth == MAX_DEPTH or least[0] >= -slack:
+            if least[0] < -slack:
+                found.outcome = LOST
             box = next_box(box)
         elif least[2] > least[1]:
             box = descend(box, True, g.steep < f64(0.0), False)

@@ -9,7 +9,8 @@ import warp as wp
 from gearsim.kernels.bounds import certified_reach, cubic_minimum, lower_bound
 from gearsim.kernels.contact import Contact, end_at
 from gearsim.kernels.pose import Motion
-from gearsim.kernels.profile import TINY, Cutter, greater, lesser
+from gearsim.kernels.profile import Cutter
+from gearsim.kernels.tool_ray import TINY, greater, lesser
 
 f64 = wp.float64
 
@@ -18,29 +19,34 @@ MARCH_RIGHT = wp.constant(1)
 MARCH_LEFT = wp.constant(2)
 DONE = wp.constant(3)
 
-MAX_EVALUATIONS = wp.constant(400)
-FLOOR_STEPS = wp.constant(f64(128.0))
+MAX_EVALUATIONS = wp.constant(120)
+SLACK = wp.constant(f64(1.0e-4))
+NARROWEST = wp.constant(f64(1.0e-6))
 
 
 @wp.struct
 class Extreme:
-    """The earliest entry on a bracket; the run of hits that holds it spans [from_x, to_x].
+    """The earliest entry on a bracket, at pose x, where the chord ends at ``far``; the run of hits that holds it
+    spans [from_x, to_x].
 
-    ``gap`` 1: between two ends that hit, to_x misses, and nothing else is known.
+    ``gap`` 1: between two ends that hit, to_x misses, and nothing else is known. ``certain`` 0: an earlier
+    entry could not be excluded everywhere.
     """
 
+    x: f64
     tau: f64
+    far: f64
     from_x: f64
     to_x: f64
     gap: wp.int32
-    converged: wp.int32
+    certain: wp.int32
 
 
 @wp.struct
 class Search:
     """State of a search: the bracket [a, b] of the descent, the earliest contact ``best``, and ``here``,
     up to which a march has come; ``x`` is where to look next. An entry as early as ``known`` is in the ray's
-    list already. The rest as in Extreme.
+    list already. ``lost`` 1: a march came to a standstill. The rest as in Extreme.
     """
 
     phase: wp.int32
@@ -52,6 +58,7 @@ class Search:
     from_x: f64
     to_x: f64
     gap: wp.int32
+    lost: wp.int32
     known: f64
 
 
@@ -111,18 +118,22 @@ def replaces_left(a: Contact, b: Contact, at: Contact) -> bool:
 def march_point(
     here: Contact, end: Contact, best: f64, tolerance: f64, curvature: f64, spin: f64, floor: f64
 ) -> wp.vec2d:
-    """Where to look next on the way from here to the end, and 1 where the rest is certified (else 0)."""
+    """Where to look next on the way from here to the end, and 1 where the rest is certified (else 0).
+
+    2 where steps get smaller than ``floor``: this bound does not lead to the end.
+    """
     forward = wp.sign(end.x - here.x)
-    slack = f64(0.1) * tolerance
+    slack = SLACK * tolerance
     room = greater(here.tau - best, f64(0.0)) + tolerance
     reach = certified_reach(forward * here.push, here.steep, room, curvature, spin, slack)
     left_over = wp.abs(end.x - here.x)
     if end.found == 1:
         room = greater(end.tau - best, f64(0.0)) + tolerance
         left_over -= certified_reach(-forward * end.push, end.steep, room, curvature, spin, slack)
-    reach = greater(reach, floor)
     if reach >= left_over:
         return wp.vec2d(end.x, f64(1.0))
+    if reach < floor:
+        return wp.vec2d(end.x, f64(2.0))
     return wp.vec2d(here.x + forward * reach, f64(0.0))
 
 
@@ -164,7 +175,7 @@ def aim(
     if best < enough:
         s.phase = DONE
         return s
-    floor = (right.x - left.x) / FLOOR_STEPS
+    floor = (right.x - left.x) * NARROWEST
     next = wp.vec2d(f64(0.0), f64(1.0))
     if s.phase == DESCEND:
         next = descent_point(s.a, s.b, s.known, tolerance, curvature, spin, turn)
@@ -183,6 +194,9 @@ def aim(
         next = march_point(s.here, left, best, tolerance, curvature, spin, floor)
         if next[1] == f64(1.0):
             s.phase = DONE
+    if s.phase != DONE and next[1] == f64(2.0):
+        s.lost = 1
+        s.phase = DONE
     s.x = next[0]
     return s
 
@@ -245,10 +259,12 @@ def earliest_entry(
             evaluations += 1
             s = take(s, at, left, right, tolerance)
     out = Extreme()
+    out.x = s.best.x
     out.tau = s.best.tau
+    out.far = s.best.far
     out.from_x = s.from_x
     out.to_x = s.to_x
     out.gap = s.gap
-    if s.phase == DONE:
-        out.converged = 1
+    if s.phase == DONE and s.lost == 0:
+        out.certain = 1
     return out

@@ -2,36 +2,48 @@
 
 import warp as wp
 
-from gearsim.kernels.contact import Chord, chord_at, gap_at, overlap, side_of
-from gearsim.kernels.interval import IntervalLists, hull, insert
+from gearsim.kernels.contact import Chord, chord_at, side_of
+from gearsim.kernels.find import HIT, LOST, NONE, find_pose
+from gearsim.kernels.gaps import find_gap
+from gearsim.kernels.interval import IntervalLists, free_stretch, hull, insert
 from gearsim.kernels.pose import Motion
-from gearsim.kernels.profile import FAR, Cutter, greater, lesser
-from gearsim.kernels.search import MAX_EVALUATIONS, earliest_entry
+from gearsim.kernels.profile import Cutter
+from gearsim.kernels.search import earliest_entry
+from gearsim.kernels.tool_ray import FAR, greater, lesser
 
 f64 = wp.float64
 
 STATUS_INTERVALS_OVERFLOW = wp.constant(1)
 STATUS_NOT_CONVERGED = wp.constant(2)
 
-MAX_RUNS = wp.constant(12)
+MAX_TURNS = wp.constant(40)
+MAX_ROUNDS = wp.constant(60)
 
 NOWHERE = wp.constant(0)
 FIRST = wp.constant(1)
 LEFT = wp.constant(2)
 RIGHT = wp.constant(3)
 WITHIN = wp.constant(4)
+BEFORE = wp.constant(5)
 
 
 @wp.struct
 class Sweep:
-    """The interval removed by one run of hits, and the part [from_x, to_x] of its bracket it accounts for."""
+    """The interval removed by one run of hits, and the part [from_x, to_x] of its bracket it accounts for.
+
+    ``lo`` and ``hi`` are reached at the poses first_x and last_x, by chords that overlap if ``whole`` is 1.
+    ``gap`` and ``certain`` as in search.Extreme.
+    """
 
     lo: f64
     hi: f64
+    first_x: f64
+    last_x: f64
+    whole: wp.int32
     from_x: f64
     to_x: f64
     gap: wp.int32
-    converged: wp.int32
+    certain: wp.int32
 
 
 @wp.func
@@ -41,9 +53,10 @@ def sweep_run(
 ) -> Sweep:  # fmt: skip
     """Interval removed between two poses of which at least one hits, united with ``known``, in ``window``."""
     sweep = Sweep()
-    sweep.converged = 1
+    sweep.certain = 1
     sweep.from_x = left.entry.x
     sweep.to_x = right.entry.x
+    first_far = f64(0.0)
     side = int(0)
     while side < 2:
         a = side_of(left, side)
@@ -56,12 +69,17 @@ def sweep_run(
         end = earliest_entry(cutter, motion, row, origin, direction, side, a, b, held, enough, tolerance)
         if side == 0:
             sweep.lo = end.tau
+            sweep.first_x = end.x
+            first_far = end.far
         else:
             sweep.hi = -end.tau
+            sweep.last_x = end.x
+            if first_far >= -end.far:
+                sweep.whole = 1
         sweep.from_x = greater(sweep.from_x, end.from_x)
         sweep.to_x = lesser(sweep.to_x, end.to_x)
         sweep.gap = wp.max(sweep.gap, end.gap)
-        sweep.converged = wp.min(sweep.converged, end.converged)
+        sweep.certain = wp.min(sweep.certain, end.certain)
         side += 1
     return sweep
 
@@ -76,86 +94,34 @@ def held_by(lists: IntervalLists, ray: int, left: Chord, right: Chord) -> wp.vec
 
 
 @wp.func
-def separating_pose(
-    cutter: Cutter, motion: Motion, row: int, origin: wp.vec3d, direction: wp.vec3d, left: Chord, right: Chord
-) -> Chord:  # fmt: skip
-    """Between two disjoint chords, a pose that misses; ``right`` where a chain of overlaps joins them."""
-    a = left
-    b = right
-    step = int(0)
-    while step < MAX_EVALUATIONS:
-        if overlap(a, b):
-            if b.entry.x == right.entry.x:
-                return right
-            a = b
-            b = right
+def cut_rest(
+    cutter: Cutter, motion: Motion, row: int, origin: wp.vec3d, direction: wp.vec3d,
+    window: wp.vec2d, tolerance: f64, ray: int, lists: IntervalLists,
+) -> int:  # fmt: skip
+    """Unite with the ray's list whatever a segment removes from the window that the list lacks; status bits.
+
+    One chord after the other is cut out of the stretches that are left, until it is certain that none is cut
+    any more. No bound is asked of how entries move, and nothing is cut that no pose cuts.
+    """
+    status = int(0)
+    rounds = int(0)
+    from_tau = window[0]
+    while from_tau < window[1]:
+        free = free_stretch(lists, ray, from_tau, window[1], f64(0.5) * tolerance)
+        if free[0] > free[1]:
+            return status
+        find = find_pose(cutter, motion, row, origin, direction, f64(-1.0), f64(1.0), free)
+        if find.outcome == HIT and rounds < MAX_ROUNDS:
+            chord = chord_at(cutter, motion, row, origin, direction, find.x)
+            if not insert(lists, ray, chord.entry.tau, -chord.exit.tau, row, row, tolerance):
+                return status | STATUS_INTERVALS_OVERFLOW
+            rounds += 1
+            from_tau = free[0]
         else:
-            b = chord_at(cutter, motion, row, origin, direction, f64(0.5) * (a.entry.x + b.entry.x))
-            if b.entry.found == 0:
-                return b
-        step += 1
-    return right
-
-
-@wp.func
-def hidden_hit(
-    cutter: Cutter, motion: Motion, row: int, origin: wp.vec3d, direction: wp.vec3d, left: Chord, right: Chord
-) -> Chord:  # fmt: skip
-    """A pose that hits between two that miss, by minimising the gap; ``left`` itself if there is none."""
-    a = left.entry.x
-    b = right.entry.x
-    gap_a = wp.vec2d()
-    gap_b = wp.vec2d()
-    x = a
-    step = int(-2)
-    while step < 60:
-        if step >= 0:
-            chord = chord_at(cutter, motion, row, origin, direction, x)
-            if chord.entry.found == 1:
-                return chord
-        gap = gap_at(cutter, motion, row, origin, direction, x)
-        if step == -2 or (step >= 0 and gap[1] < f64(0.0)):
-            a = x
-            gap_a = gap
-            x = b
-        else:
-            b = x
-            gap_b = gap
-        if step >= -1:
-            width = b - a
-            if gap_a[0] + gap_b[0] > motion.speed[row] * width:
-                return left
-            if gap_a[1] >= f64(0.0) or gap_b[1] <= f64(0.0) or width < f64(1.0e-12):
-                return left
-            if greater(-gap_a[1], gap_b[1]) * width < lesser(gap_a[0], gap_b[0]):
-                return left
-            x = least_gap(a, b, gap_a, gap_b)
-            if step % 3 == 1:
-                x = f64(0.5) * (a + b)
-        step += 1
-    return left
-
-
-@wp.func
-def least_gap(a: f64, b: f64, gap_a: wp.vec2d, gap_b: wp.vec2d) -> f64:
-    """Minimiser of the cubic through two gaps with their slopes, kept off both ends."""
-    width = b - a
-    d1 = gap_a[1] + gap_b[1] + f64(3.0) * (gap_a[0] - gap_b[0]) / width
-    d2 = wp.sqrt(greater(d1 * d1 - gap_a[1] * gap_b[1], f64(0.0)))
-    x = b - width * (gap_b[1] + d2 - d1) / (gap_b[1] - gap_a[1] + f64(2.0) * d2)
-    return wp.clamp(x, a + f64(0.01) * width, b - f64(0.01) * width)
-
-
-@wp.func
-def run_end(
-    cutter: Cutter, motion: Motion, row: int, origin: wp.vec3d, direction: wp.vec3d, left: Chord, right: Chord
-) -> Chord:  # fmt: skip
-    """A pose up to which there is one run of hits from ``left`` on; one that misses, like ``left``: no hit at all."""
-    if left.entry.found == 0 and right.entry.found == 0:
-        return hidden_hit(cutter, motion, row, origin, direction, left, right)
-    if left.entry.found == 1 and right.entry.found == 1 and not overlap(left, right):
-        return separating_pose(cutter, motion, row, origin, direction, left, right)
-    return right
+            if find.outcome != NONE:
+                status = status | STATUS_NOT_CONVERGED
+            from_tau = free[1]
+    return status
 
 
 @wp.func
@@ -165,14 +131,17 @@ def cut_by_segment(
 ) -> int:  # fmt: skip
     """Unite what one segment removes from one ray with the ray's list; status bits.
 
-    Takes one run of hits after the other out of the bracket [left, right], until both ends miss and
-    nothing is hidden between them. Every turn looks at one pose, which becomes an end of the bracket, and
-    cuts out the run between ``left`` and ``end``, so that the code of both is there only once.
+    Goes over the poses [left, right] from left to right, run of hits by run of hits. Every turn looks at one
+    pose, an end of the part [left, end] that is looked at, so that the code is there only once. Where both its
+    ends miss, a pose that hits is looked for; where one hits, the run is cut out, and parts before and after it
+    remain. Whatever is not certain is left to ``cut_rest``.
     """
     left = Chord()
     right = Chord()
     status = int(0)
-    runs = int(0)
+    certain = int(1)
+    turns = int(0)
+    resume = f64(1.0)
     x = f64(-1.0)
     place = FIRST
     while place != NOWHERE:
@@ -188,30 +157,46 @@ def cut_by_segment(
             end = right
         elif place == RIGHT:
             right = at
-        place = NOWHERE
-        end = run_end(cutter, motion, row, origin, direction, left, end)
-        if left.entry.found == 0 and end.entry.found == 0:
-            return status
-        if runs == MAX_RUNS:
-            return status | STATUS_NOT_CONVERGED
-        known = held_by(lists, ray, left, end)
-        sweep = sweep_run(cutter, motion, row, origin, direction, left, end, window, known, tolerance)
-        if sweep.gap == 1:
+        turns += 1
+        if turns == MAX_TURNS:
+            certain = 0
+            place = NOWHERE
+        elif left.entry.found == 0 and end.entry.found == 0:
+            find = find_pose(cutter, motion, row, origin, direction, left.entry.x, end.entry.x, window)
+            if find.outcome == LOST or (find.outcome == HIT and place == BEFORE):
+                certain = 0
+            if find.outcome == HIT and place != BEFORE:
+                x = find.x
+                place = WITHIN
+            else:
+                x = end.entry.x
+                if place == BEFORE:
+                    x = resume
+                place = wp.where(x < right.entry.x, LEFT, NOWHERE)
+        else:
+            known = held_by(lists, ray, left, end)
+            sweep = sweep_run(cutter, motion, row, origin, direction, left, end, window, known, tolerance)
+            place = wp.where(sweep.gap == 1, WITHIN, NOWHERE)
             x = sweep.to_x
-            place = WITHIN
-            continue
-        runs += 1
-        if sweep.converged == 0:
-            status = status | STATUS_NOT_CONVERGED
-        if not insert(lists, ray, sweep.lo, sweep.hi, row, row, tolerance):
-            status = status | STATUS_INTERVALS_OVERFLOW
-        if end.entry.x < right.entry.x:
-            x = end.entry.x
-            place = LEFT
-        elif left.entry.found == 0 and sweep.from_x > left.entry.x:
-            x = sweep.from_x
-            place = RIGHT
-        elif right.entry.found == 0 and sweep.to_x < right.entry.x:
-            x = sweep.to_x
-            place = LEFT
+            if place == NOWHERE and sweep.whole == 0:
+                first = lesser(sweep.first_x, sweep.last_x)
+                gap = find_gap(cutter, motion, row, origin, direction, first, greater(sweep.first_x, sweep.last_x))
+                if gap.outcome == LOST:
+                    status = status | STATUS_NOT_CONVERGED
+                elif gap.outcome == HIT:
+                    x = gap.x
+                    place = WITHIN
+            if place == NOWHERE:
+                certain = wp.min(certain, sweep.certain)
+                if not insert(lists, ray, sweep.lo, sweep.hi, row, row, tolerance):
+                    status = status | STATUS_INTERVALS_OVERFLOW
+                resume = sweep.to_x
+                if sweep.from_x > left.entry.x:
+                    x = sweep.from_x
+                    place = BEFORE
+                elif resume < right.entry.x:
+                    x = resume
+                    place = LEFT
+    if certain == 0:
+        status = status | cut_rest(cutter, motion, row, origin, direction, window, tolerance, ray, lists)
     return status

@@ -8,9 +8,9 @@ begins with, Newton's steps into an arc, hits hidden between misses, and the upk
 | part | source | operations |
 | --- | --- | --- |
 | pose | kernels/pose.py: 5 Horner steps of tip, axis and both rates, 24 each | 120 |
-| tool ray | kernels/profile.py ``tool_ray`` | 53 |
-| line slab | kernels/cull.py: planes 6, inflation 2; kernels/profile.py ``line_interval`` 17 | 25 |
-| arc slab | kernels/cull.py: planes 6, inflation 2; kernels/profile.py ``ball_interval`` 12 | 20 |
+| tool ray | kernels/tool_ray.py ``tool_ray`` | 53 |
+| line slab | kernels/cull.py: planes 6, inflation 2; kernels/tool_ray.py ``line_interval`` 17 | 25 |
+| arc slab | kernels/cull.py: planes 6, inflation 2; kernels/tool_ray.py ``ball_interval`` 12 | 20 |
 | contact | kernels/contact.py: point 14, parameter 1, face normal 5, rates 35 | 55 |
 | search | kernels/search.py: bounds of a step, and a third each of the ways to the next guess | 40 |
 | ring | kernels/ring.py: pose 120, point 30, rates 59 | 209 |

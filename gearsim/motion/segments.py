@@ -24,9 +24,9 @@ class SegmentTable:
     """Quintic segments; row i is the pose for x in [-1, 1] as sum of coefficient[k] x^k.
 
     ``tip`` [mm] and ``axis`` have shape (n, 6, 3). ``speed`` [mm], ``acceleration`` [mm] and ``spin``
-    [rad] bound, over x in [-1, 1], the fastest tool point's velocity, the second derivative of a fixed
-    point as the tool sees it, and the axis rotation rate. ``piece``, ``start``, ``end`` say where a row
-    lies in its source; ``path`` numbers the source when tables are joined.
+    [rad] bound, over x in [-1, 1], the fastest tool point's velocity, the second derivative, as the tool sees it,
+    of a fixed point that the row's tool reaches anywhere, and the axis rotation rate. ``piece``, ``start``,
+    ``end`` say where a row lies in its source; ``path`` numbers the source when tables are joined.
     """
 
     tip: NDArray[np.floating]
@@ -132,6 +132,7 @@ def _finish(parts: list[tuple[NDArray, ...]], reach: float) -> SegmentTable:
     order = np.lexsort((start, piece))
     tip, axis, piece, start, end = tip[order], axis[order], piece[order], start[order], end[order]
     travel, spin = _bound(tip, 1), _bound(axis, 1)
-    acceleration = _bound(tip, 2) + reach * _bound(axis, 2) + spin * (2.0 * travel + spin * reach)
+    arm = reach + 2.0 * (travel + spin * reach)
+    acceleration = _bound(tip, 2) + arm * (_bound(axis, 2) + spin**2) + 2.0 * spin * travel
     path = np.zeros(len(tip), dtype=np.int64)
     return SegmentTable(tip, axis, travel + spin * reach, acceleration, spin, piece, start, end, path)

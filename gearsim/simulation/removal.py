@@ -148,7 +148,7 @@ def cut(
     """Sweep the cutter along the motion through all rays.
 
     ``tolerance`` [mm] bounds the error of each interval's end in the ray's window (what escapes it is cut
-    no deeper than a tenth of it, see kernels/sweep.py); of an end beyond the window only that is known.
+    no deeper than a ten-thousandth of it, see kernels/search.py); of an end beyond the window only that is known.
     ``slots`` is the longest interval list of a ray; ``threads`` the CPU threads (default: all cores);
     ``progress`` is told of rays done. Check ``Removal.status`` or call ``require_trust``. Raises
     MemoryError where the device has no room.
@@ -219,7 +219,8 @@ class _Launches:
         if self.ring:
             bounds = segment_bounds(jobs[0].table, cutters[0])
             self.bvh = wp.Bvh(*(wp.array(b, dtype=wp.vec3, device=device) for b in bounds))
-            self.kernel, tool = ring_kernels.cut_rays_by_ring, [ring_data(cutters[0], device), motion]
+            extent = float(np.abs(jobs[0].table.tip).sum(axis=1).max(initial=0.0))
+            self.kernel, tool = ring_kernels.cut_rays_by_ring, [ring_data(cutters[0], extent, device), motion]
         else:
             groups = [row_groups(job.table, job.cutter) for job in jobs]
             self.bvh = grouped_bvh(groups, device)

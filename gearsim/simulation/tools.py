@@ -18,7 +18,7 @@ from gearsim.kernels.profile import ARC, LINE, Cutters
 from gearsim.kernels.ring import Ring
 from gearsim.motion.segments import SegmentTable
 
-_SHRINK = 1e-11
+_ROUNDING = 4e-15
 _GROUP_TRAVEL = 0.6
 
 
@@ -48,22 +48,24 @@ def _slab(e: Element) -> list[float]:
     return [z0, z1, r0, slope, float(np.hypot(1.0, slope)), float(LINE)]
 
 
-def ring_data(cutter: Profile, device: str) -> Ring:
+def ring_data(cutter: Profile, extent: float, device: str) -> Ring:
     """A ring's section as supporting lines and arcs, its sharp edges as arcs of no radius.
 
-    It is made smaller by 1e-11 mm, so that a ray that lies in one of its planes misses cleanly.
+    It is made smaller by what coordinates up to ``extent`` [mm] are rounded to, so that a ray that lies in one
+    of its planes misses cleanly.
     """
     lines, arcs = [], []
+    skin = _ROUNDING * (extent + cutter.reach)
     for e, after in joints(cutter.elements, ring=True):
         s = np.array([0.0, e.length])
         p, nr, nz = e.at(s), *e.at(s)[2:4]
         if e.is_arc:
-            arcs.append([*e.centre, e.radius - _SHRINK, nr[0], nz[0], nr[1], nz[1]])
+            arcs.append([*e.centre, e.radius - skin, nr[0], nz[0], nr[1], nz[1]])
         else:
-            lines.append([nr[0], nz[0], nr[0] * p.r[0] + nz[0] * p.z[0] - _SHRINK])
+            lines.append([nr[0], nz[0], nr[0] * p.r[0] + nz[0] * p.z[0] - skin])
         if turn(e, after) > CORNER:
             other = after.at(np.array(0.0))
-            arcs.append([*after.start, -_SHRINK, nr[1], nz[1], float(other.nr), float(other.nz)])
+            arcs.append([*after.start, -skin, nr[1], nz[1], float(other.nr), float(other.nz)])
     data = Ring()
     data.lines = wp.array(np.reshape(lines, (-1, 3)), dtype=wp.float64, device=device)
     data.arcs = wp.array(np.reshape(arcs, (-1, 7)), dtype=wp.float64, device=device)

@@ -213,14 +213,14 @@ def operations(function, *arguments):
 
 
 def test_the_operations_of_a_pose_and_a_contact_are_those_of_the_source():
-    from gearsim.kernels import contact, pose, profile
+    from gearsim.kernels import contact, pose, tool_ray
 
     vector = Vector(Counted(x) for x in (0.1, 0.2, 0.3))
     table = {(0, k): vector for k in range(6)}
     motion = SimpleNamespace(tip=table, axis=table)
     assert operations(pose.pose_at.func, motion, 0, Counted(0.5)) == roofline.OPERATIONS["pose"]
     frame = SimpleNamespace(tip=vector, axis=vector, tip_rate=vector, axis_rate=vector)
-    seen = operations(profile.tool_ray.func, vector, vector, Counted(1.0), vector, vector)
+    seen = operations(tool_ray.tool_ray.func, vector, vector, Counted(1.0), vector, vector)
     assert seen == roofline.OPERATIONS["tool ray"]
     ray = SimpleNamespace(w1=vector, dz=Counted(0.2))
     one = Counted(1.0)

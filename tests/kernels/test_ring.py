@@ -68,7 +68,7 @@ class Pairs:
 
         out = wp.zeros((self.n, 6), dtype=F64, device=self.device)
         inputs = [
-            ring_data(self.cutter, self.device), motion_data(self.table, self.device),
+            ring_data(self.cutter, 100.0, self.device), motion_data(self.table, self.device),
             vectors(self.row.astype(np.int32), int), vectors(self.origin, wp.vec3d), vectors(self.direction, wp.vec3d),
             vectors(np.column_stack([x, tau]), wp.vec2d), vectors(np.column_stack([hx, ht]), wp.vec2d),
         ]  # fmt: skip
@@ -92,7 +92,7 @@ def test_section_distance_is_the_profiles(name, device, rng):
     r, z = rng.uniform(max(low_r - 4.0, 0.0), high_r + 4.0, n), rng.uniform(low_z - 4.0, high_z + 4.0, n)
     out = wp.zeros(n, dtype=wp.vec3d, device=device)
     rz = wp.array(np.column_stack([r, z]), dtype=wp.vec2d, device=device)
-    wp.launch(section_kernel, dim=n, inputs=[ring_data(cutter, device), rz], outputs=[out], device=device)
+    wp.launch(section_kernel, dim=n, inputs=[ring_data(cutter, 0.0, device), rz], outputs=[out], device=device)
     f, nr, nz = cutter.distance_gradient(r, z)
     assert np.allclose(out.numpy()[:, 0], f, atol=2e-11)  # the kernel's ring is smaller by 1e-11 mm
     same = np.hypot(out.numpy()[:, 1] - nr, out.numpy()[:, 2] - nz) < 1e-9

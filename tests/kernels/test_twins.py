@@ -9,10 +9,11 @@ import warp as wp
 from gearsim.cutters.catalogue import apt, conical
 from gearsim.envelope.surface import envelope_grid, envelope_points
 from gearsim.kernels.cull import near_stretch
-from gearsim.kernels.distance import outside_distance
+from gearsim.kernels.distance import surface_distance
 from gearsim.kernels.interval import IntervalLists, insert
 from gearsim.kernels.pose import Motion, pose_at
-from gearsim.kernels.profile import Cutters, convex_part, cutter_interval, tool_ray
+from gearsim.kernels.profile import Cutters, convex_part, cutter_interval
+from gearsim.kernels.tool_ray import tool_ray
 from gearsim.motion.segments import DEGREE, compile_motion
 from gearsim.simulation.tools import cutter_data, motion_data
 from gearsim.toolpaths.flank import FlankPath
@@ -45,7 +46,7 @@ def interval_kernel(
     zero = wp.float64(0.0)
     tip = wp.vec3d(zero, zero, zero)
     axis = wp.vec3d(zero, zero, wp.float64(1.0))
-    part = convex_part(cutters, 0)
+    part = convex_part(cutters, 0, wp.float64(0.0))
     ray = tool_ray(tip, axis, part.middle, origin[i], direction[i])
     hit = cutter_interval(part, ray)
     found_out[i] = hit.found
@@ -56,7 +57,7 @@ def interval_kernel(
 @wp.kernel(enable_backward=False)
 def distance_kernel(cutters: Cutters, rz: wp.array(dtype=wp.vec2d), out: wp.array(dtype=wp.vec3d)):
     i = wp.tid()
-    out[i] = outside_distance(convex_part(cutters, 0), rz[i][0], rz[i][1])
+    out[i] = surface_distance(convex_part(cutters, 0, wp.float64(0.0)), rz[i][0], rz[i][1])
 
 
 @wp.kernel(enable_backward=False)
@@ -140,7 +141,7 @@ def check_near_stretch(cutter, origin, direction, spread, window, near):
 
 
 @pytest.mark.parametrize("cutter", CUTTERS, ids=NAMES)
-def test_outside_distance(cutter, device, rng):
+def test_surface_distance(cutter, device, rng):
     r, z = rng.uniform(0.0, 14.0, 5000), rng.uniform(-4.0, 32.0, 5000)
     out = wp.zeros(5000, dtype=wp.vec3d, device=device)
     rz = wp.array(np.column_stack([r, z]), dtype=wp.vec2d, device=device)
@@ -148,6 +149,7 @@ def test_outside_distance(cutter, device, rng):
     f, nr, nz = cutter.distance_gradient(r, z)
     outside = f > 1e-9
     assert np.allclose(out.numpy()[outside], np.column_stack([f, nr, nz])[outside], atol=1e-11)
+    assert np.allclose(out.numpy()[:, 0], np.abs(f), atol=1e-11)
 
 
 def test_pose(device, rng):
