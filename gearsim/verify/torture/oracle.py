@@ -16,6 +16,7 @@ wp.set_module_options({"enable_backward": False})
 
 POSES = wp.constant(9)
 STEPS = wp.constant(200)
+MARCH = wp.constant(24)
 CELLS = wp.constant(200000)
 
 
@@ -72,8 +73,8 @@ def chord(
 
 @wp.func
 def linked(
-    tools: Tools, path: Path, body: int, row: int, x: f64, step: f64, reach: f64, origin: wp.vec3d, direction: wp.vec3d,
-    level: f64, a: wp.vec2d, b: wp.vec2d,
+    tools: Tools, path: Path, body: int, row: int, before: f64, after: f64, reach: f64, origin: wp.vec3d,
+    direction: wp.vec3d, level: f64, a: wp.vec2d, b: wp.vec2d,
 ) -> bool:  # fmt: skip
     """Whether all poses between two that hit do so too, so that their chords leave no gap.
 
@@ -85,10 +86,44 @@ def linked(
     middle_a = f64(0.5) * (a[0] + a[1])
     middle_b = f64(0.5) * (b[0] + b[1])
     bend = path.bounds[row, 1] + f64(2.1) * (reach + t1) * (path.bounds[row, 4] + a1 * a1) + f64(2.0) * a1 * t1
+    step = wp.abs(after - before)
     bend = bend * step * step + f64(2.0) * a1 * step * wp.abs(middle_b - middle_a)
-    before = look_at(tools, body, place_of(path, row, x - step), origin, direction, middle_a)
-    after = look_at(tools, body, place_of(path, row, x), origin, direction, middle_b)
-    return wp.max(before.f, after.f) + bend / f64(8.0) <= level
+    first = look_at(tools, body, place_of(path, row, before), origin, direction, middle_a)
+    last = look_at(tools, body, place_of(path, row, after), origin, direction, middle_b)
+    return wp.max(first.f, last.f) + bend / f64(8.0) <= level
+
+
+@wp.func
+def marched(
+    tools: Tools, path: Path, body: int, row: int, start: f64, reach: f64, origin: wp.vec3d, direction: wp.vec3d,
+    level: f64, lo: f64, hi: f64,
+) -> f64:  # fmt: skip
+    """How far on the ray is covered from a pose that hits, by poses linked with it on both sides."""
+    first = chord(tools, path, body, row, start, reach, origin, direction, level, lo, hi)
+    best = first[1]
+    way = f64(-1.0)
+    while way < f64(2.0):
+        x = start
+        held = first
+        step = f64(0.5)
+        turn = int(0)
+        while turn < MARCH and step > f64(1.0e-9):
+            turn += 1
+            next = wp.clamp(x + way * step, f64(-1.0), f64(1.0))
+            c = chord(tools, path, body, row, next, reach, origin, direction, level, lo, hi)
+            if next == x:
+                turn = MARCH
+            elif c[0] <= c[1] and linked(
+                tools, path, body, row, x, next, reach, origin, direction, level, held, c
+            ):  # fmt: skip
+                x = next
+                held = c
+                step = f64(2.0) * step
+                best = wp.max(best, c[1])
+            else:
+                step = f64(0.25) * step
+        way += f64(2.0)
+    return best
 
 
 @wp.func
@@ -151,7 +186,7 @@ def sample_chords(tools: Tools, path: Path, claims: Claims, ray: int, chords: wp
                 )  # fmt: skip
                 chords[ray, slot] = c
                 if before[0] <= before[1] and c[0] <= c[1]:
-                    if linked(tools, path, body, row, x, step, reach, origin, direction, level, before, c):
+                    if linked(tools, path, body, row, x - step, x, reach, origin, direction, level, before, c):
                         chords[ray, slot] = wp.vec2d(wp.min(before[0], c[0]), wp.max(before[1], c[1]))
                 before = c
                 slot += 1
@@ -200,11 +235,11 @@ def find_spanned(
                 steps += 1
                 if hit.state == HIT:
                     x = deepest(tools, hit.body, path, hit.row, origin, direction, hit.x, c, hit.half)
-                    part = chord(
+                    far = marched(
                         tools, path, hit.body, hit.row, x, tools.reach[job], origin, direction, noise,
                         claims.start[ray], claims.end[ray],
                     )  # fmt: skip
-                    on = wp.max(c, part[1])
+                    on = wp.max(c, far)
                 elif hit.state == UNDECIDED:
                     found.spanned[ray] = UNDECIDED
                     c = goal

@@ -192,16 +192,40 @@ def lowest(c: wp.vec3d, half: f64) -> f64:
 
 
 @wp.func
-def bound_of(
-    a: Look, b: Look, share: f64, place: Place, first: wp.vec3d, last: wp.vec3d, half: f64, rest: f64
-) -> f64:
-    """Least distance that two planes, taken with ``share`` of the second, leave to a piece of a ray over a cell."""
-    at_first = taylor(a, place, first)
-    at_last = taylor(a, place, last)
-    if share > f64(0.0):
-        at_first = (f64(1.0) - share) * at_first + share * taylor(b, place, first)
-        at_last = (f64(1.0) - share) * at_last + share * taylor(b, place, last)
-    return wp.min(lowest(at_first, half), lowest(at_last, half)) - rest
+def bound_by_one(g: Look, place: Place, first: wp.vec3d, last: wp.vec3d, half: f64, rest: f64) -> f64:
+    """Least distance that a plane leaves to a piece of a ray over a cell."""
+    return wp.min(lowest(taylor(g, place, first), half), lowest(taylor(g, place, last), half)) - rest
+
+
+@wp.func
+def bound_by_two(
+    a: Look, b: Look, share: f64, tau: f64, place: Place, origin: wp.vec3d, direction: wp.vec3d, lo: f64, hi: f64,
+    half: f64, rest: f64,
+) -> f64:  # fmt: skip
+    """Least distance that planes on both sides of the nearest point leave to a piece [lo, hi] of a ray over a cell.
+
+    Each rules on its side of ``tau``, where they cross; near it, as far as the crossing may wander, their mean with
+    ``share`` of the second does, which is level along the ray.
+    """
+    here = origin + tau * direction
+    wander = wp.max(wp.abs(taylor(a, place, here)[1]), wp.abs(taylor(b, place, here)[1]))
+    wander = f64(2.0) * half * wander / wp.min(-a.slope, b.slope)
+    left = wp.max(lo, tau - wander)
+    right = wp.min(hi, tau + wander)
+    p = origin + left * direction
+    q = origin + right * direction
+    a_left = taylor(a, place, p)
+    b_right = taylor(b, place, q)
+    keep = f64(1.0) - share
+    bound = wp.min(
+        lowest(keep * a_left + share * taylor(b, place, p), half),
+        lowest(keep * taylor(a, place, q) + share * b_right, half),
+    )
+    if left > lo:
+        bound = wp.min(bound, wp.min(lowest(a_left, half), lowest(taylor(a, place, origin + lo * direction), half)))
+    if right < hi:
+        bound = wp.min(bound, wp.min(lowest(b_right, half), lowest(taylor(b, place, origin + hi * direction), half)))
+    return bound - rest
 
 
 @wp.func
@@ -231,7 +255,7 @@ def judge_cell(
             out.tau = here.tau
             return out
         if one == 1:
-            if bound_of(here, here, f64(0.0), place, first, last, half, rest) >= level - slack:
+            if bound_by_one(here, place, first, last, half, rest) >= level - slack:
                 out.state = CLEAR
             return out
         if cut == 0:
@@ -241,15 +265,15 @@ def judge_cell(
                 one = 1
         else:
             share = -a.slope / (b.slope - a.slope)
-            if bound_of(a, b, share, place, first, last, half, rest) >= level - slack:
+            floor = (f64(1.0) - share) * (a.f - a.slope * a.tau) + share * (b.f - b.slope * b.tau)
+            tau = wp.clamp(a.tau - (a.f - floor) / a.slope, a.tau, b.tau)
+            if bound_by_two(a, b, share, tau, place, origin, direction, lo, hi, half, rest) >= level - slack:
                 out.state = CLEAR
                 return out
-            floor = (f64(1.0) - share) * (a.f - a.slope * a.tau) + share * (b.f - b.slope * b.tau)
             least = wp.min(a.f, b.f)
             if floor >= level and least - floor <= f64(0.25) * (floor - level):
                 return out
             width = b.tau - a.tau
-            tau = a.tau - (a.f - floor) / a.slope
             if cut % 3 == 2:
                 tau = a.tau + share * width
             if cut % 5 == 4:
