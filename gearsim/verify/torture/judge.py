@@ -104,6 +104,7 @@ def _tools(claims: Sequence[Claim]) -> oracle.Tools:
     data.plane_first = _offsets([len(b.planes) for b in flat])
     data.wedge_first = _offsets([len(b.wedges) for b in flat])
     data.first = _offsets([len(s) for s in sections])
+    data.hollow = wp.array([int(c.cutter.is_ring) for c in claims], dtype=wp.int32, device="cpu")
     data.reach = wp.array([c.cutter.reach for c in claims], dtype=wp.float64, device="cpu")
     return data
 

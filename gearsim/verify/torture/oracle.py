@@ -7,12 +7,14 @@ lies in the tool at some pose, the tool made larger by the noise.
 
 import warp as wp
 
+from gearsim.verify.torture.hollow import UNDECIDED, followed
 from gearsim.verify.torture.separation import HIT, SLACK, Path, Tools, look_at, place_of
-from gearsim.verify.torture.walk import UNDECIDED, chord_end, deepest, inside_at, reached, within
+from gearsim.verify.torture.walk import chord_end, deepest, inside_at, reached, within
 
 f64 = wp.float64
 
-wp.set_module_options({"enable_backward": False})
+# Little is inlined: a kernel that compiles in a third of the time is worth more here than one a third faster.
+wp.set_module_options({"enable_backward": False, "cpu_compiler_flags": "-mllvm=-inline-threshold=25"})
 
 POSES = wp.constant(9)
 STEPS = wp.constant(200)
@@ -150,9 +152,17 @@ def find_lost(tools: Tools, path: Path, claims: Claims, ray: int, tolerance: f64
                 found.x[ray] = hit.x
             if hit.state == HIT:
                 x = deepest(tools, hit.body, path, hit.row, origin, direction, hit.x, hit.tau, hit.half)
-                part = chord(
-                    tools, path, hit.body, hit.row, x, tools.reach[job], origin, direction, -noise, lo, hi
-                )  # fmt: skip
+                part = wp.vec2d(hit.tau, hit.tau)
+                if tools.hollow[job] == 1:
+                    place = place_of(path, hit.row, x)
+                    part = wp.vec2d(
+                        followed(tools, hit.body, place, origin, direction, hit.tau, lo, -noise),
+                        followed(tools, hit.body, place, origin, direction, hit.tau, hi, -noise),
+                    )
+                else:
+                    part = chord(
+                        tools, path, hit.body, hit.row, x, tools.reach[job], origin, direction, -noise, lo, hi
+                    )  # fmt: skip
                 found.lost[ray] = HIT
                 found.lost_from[ray] = part[0]
                 found.lost_to[ray] = part[1]
@@ -226,7 +236,7 @@ def find_spanned(
         c = wp.max(claims.lo[k], claims.start[ray]) + tolerance
         goal = wp.min(claims.hi[k], claims.end[ray]) - tolerance
         while c < goal and found.spanned[ray] != HIT:
-            if slots < 0:
+            if slots < 0 and tools.hollow[job] == 0:
                 slots = sample_chords(tools, path, claims, ray, chords)
             on = carried(chords, ray, slots, c)
             if on <= c:
@@ -235,11 +245,16 @@ def find_spanned(
                 steps += 1
                 if hit.state == HIT:
                     x = deepest(tools, hit.body, path, hit.row, origin, direction, hit.x, c, hit.half)
-                    far = marched(
-                        tools, path, hit.body, hit.row, x, tools.reach[job], origin, direction, noise,
-                        claims.start[ray], claims.end[ray],
-                    )  # fmt: skip
-                    on = wp.max(c, far)
+                    if tools.hollow[job] == 1:
+                        on = followed(
+                            tools, hit.body, place_of(path, hit.row, x), origin, direction, c, claims.end[ray], noise
+                        )
+                    else:
+                        on = marched(
+                            tools, path, hit.body, hit.row, x, tools.reach[job], origin, direction, noise,
+                            claims.start[ray], claims.end[ray],
+                        )  # fmt: skip
+                    on = wp.max(c, on)
                 elif hit.state == UNDECIDED:
                     found.spanned[ray] = UNDECIDED
                     c = goal

@@ -23,7 +23,7 @@ SLACK = wp.constant(f64(0.05))
 
 @wp.struct
 class Tools:
-    """Convex bodies of all jobs' tools (meridian.py); ``first`` [job], ``reach`` [mm] from the tip."""
+    """Convex bodies of all jobs' tools (meridian.py); ``first`` [job], ``reach`` [mm] from the tip, ``hollow``: a ring."""
 
     planes: wp.array2d(dtype=f64)
     wedges: wp.array2d(dtype=f64)
@@ -31,6 +31,7 @@ class Tools:
     wedge_first: wp.array(dtype=wp.int32)
     first: wp.array(dtype=wp.int32)
     reach: wp.array(dtype=f64)
+    hollow: wp.array(dtype=wp.int32)
 
 
 @wp.struct

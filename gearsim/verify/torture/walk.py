@@ -2,10 +2,10 @@
 
 import warp as wp
 
+from gearsim.verify.torture.hollow import UNDECIDED, met_in_row
 from gearsim.verify.torture.separation import (
     CLEAR,
     HIT,
-    SLACK,
     Look,
     Path,
     Place,
@@ -23,7 +23,6 @@ wp.set_module_options({"enable_backward": False})
 
 MAX_DEPTH = wp.constant(46)
 MAX_CELLS = wp.constant(20000)
-UNDECIDED = wp.constant(2)
 
 
 @wp.struct
@@ -106,6 +105,28 @@ def reached_in_row(
 
 
 @wp.func
+def reached_by_ring(
+    tools: Tools, body: int, path: Path, row: int, reach: f64, origin: wp.vec3d, direction: wp.vec3d,
+    lo: f64, hi: f64, level: f64, slack: f64,
+) -> Reached:  # fmt: skip
+    """The same of a ring."""
+    out = Reached()
+    out.row = row
+    out.body = body
+    part = within(path, row, reach, origin, direction, lo, hi)
+    if part[0] > part[1]:
+        return out
+    far = f64(2.1) * (reach + path.bounds[row, 0] + path.bounds[row, 3] * reach)
+    met = met_in_row(tools, body, path, row, far, origin, direction, part[0], part[1], level, slack)
+    out.state = met.state
+    out.x = met.x
+    out.half = met.half
+    out.tau = met.tau
+    out.cells = met.boxes
+    return out
+
+
+@wp.func
 def reached(
     tools: Tools, path: Path, job: int, origin: wp.vec3d, direction: wp.vec3d, lo: f64, hi: f64, level: f64, slack: f64
 ) -> Reached:
@@ -113,9 +134,15 @@ def reached(
     total = Reached()
     for row in range(path.first[job], path.first[job + 1]):
         for body in range(tools.first[job], tools.first[job + 1]):
-            part = reached_in_row(
-                tools, body, path, row, tools.reach[job], origin, direction, lo, hi, level, slack
-            )  # fmt: skip
+            part = Reached()
+            if tools.hollow[job] == 1:
+                part = reached_by_ring(
+                    tools, body, path, row, tools.reach[job], origin, direction, lo, hi, level, slack
+                )  # fmt: skip
+            else:
+                part = reached_in_row(
+                    tools, body, path, row, tools.reach[job], origin, direction, lo, hi, level, slack
+                )  # fmt: skip
             part.cells += total.cells
             if part.state == HIT:
                 return part
