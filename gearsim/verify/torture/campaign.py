@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -15,14 +15,14 @@ from gearsim.simulation.removal import Job, Removal, cut_jobs
 from gearsim.verify.torture import motions, rays, tools
 from gearsim.verify.torture.judge import HIT, UNDECIDED, Claim, Judgement, judge
 
-RAYS_A_KIND = 24
 _SIZES = (1e-3, 0.0625, 0.1, 1.0, 1.0, 2.0, 8.0, 10.0, 16.0, 100.0, 1000.0)
 
 
 @dataclass(frozen=True)
 class Case:
-    """A cutter, a motion and rays, with the names of their kinds; ``ray_kind`` is one a ray."""
+    """A cutter, a motion and rays, with the names of their kinds; ``ray_kind`` is one a ray, ``seed`` makes it again."""
 
+    seed: tuple[int, ...]
     tool: str
     motion: str
     ray_kind: NDArray[np.str_]
@@ -59,34 +59,21 @@ class Tried:
         return self.trusted & ~said & ((self.judgement.lost == UNDECIDED) | (self.judgement.spanned == UNDECIDED))
 
 
-def case(
-    seed: Sequence[int], tool_kinds: Sequence[str], motion_kinds: Sequence[str], ray_kinds: Sequence[str], n: int
-) -> Case:
-    """A random case of kinds chosen at random, n rays of each ray kind; the same for the same seed."""
+def case(seed: tuple[int, ...], tool: str, motion: str, ray_kinds: Sequence[str], n: int) -> Case:
+    """A random case of a tool and a motion, n rays of each ray kind; the same for the same seed."""
     rng = np.random.default_rng(seed)
-    tool, motion = str(rng.choice(tool_kinds)), str(rng.choice(motion_kinds))
     round_numbers = bool(rng.random() < 0.6) or motion == "grid"
     size = float(rng.choice(_SIZES)) if round_numbers else float(10.0 ** rng.uniform(-3.0, 3.0))
     cutter = tools.draw(tool, rng, size, round_numbers)
     table = motions.rows(motion, rng, size, cutter.reach)
     scene = rays.Scene(rng, cutter, table, size)
     bundles = [rays.bundle(scene, kind, n) for kind in ray_kinds]
-    return Case(tool, motion, np.repeat(ray_kinds, n), join_rays(bundles), table, cutter)
+    return Case(seed, tool, motion, np.repeat(ray_kinds, n), join_rays(bundles), table, cutter)
 
 
-def try_cases(cases: Sequence[Case], depth: float = 0.0, device: str = "cpu") -> list[Tried]:
-    """Cut the cases by the removal road and have the oracle judge what came out."""
-    removals = cut_jobs([Job(c.rays, c.table, c.cutter) for c in cases], device=device, slots=64)
+def try_cases(cases: Sequence[Case], tolerance: float, device: str = "cpu") -> list[Tried]:
+    """Cut the cases by the removal road to ``tolerance`` [mm] and have the oracle judge what came out."""
+    jobs = [Job(c.rays, c.table, c.cutter) for c in cases]
+    removals = cut_jobs(jobs, device=device, tolerance=tolerance, slots=64)
     claims = [Claim(c.rays, c.table, c.cutter, r.removed) for c, r in zip(cases, removals, strict=True)]
-    judged = judge(claims, depth=depth)
-    return [Tried(*t) for t in zip(cases, removals, judged, strict=True)]
-
-
-def batches(
-    seed: int, cases: int, tool_kinds: Sequence[str], motion_kinds: Sequence[str], ray_kinds: Sequence[str]
-) -> Iterator[list[Case]]:
-    """Batches of cases without end."""
-    number = 0
-    while True:
-        yield [case((seed, number, i), tool_kinds, motion_kinds, ray_kinds, RAYS_A_KIND) for i in range(cases)]
-        number += 1
+    return [Tried(*t) for t in zip(cases, removals, judge(claims, tolerance), strict=True)]

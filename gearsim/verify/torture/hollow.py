@@ -1,9 +1,9 @@
 """The certificates for a ring, whose section is convex and whose body is not.
 
-A plane with nr >= 0 holds the whole body, as in separation.py. One of the hole's side holds the section only: its
-distance nr r + nz z - h is bounded by r <= (r² + r0²) / (2 r0), which is exact where r = r0, and leaves
-    S(x, tau) = nr (q² - z² + r0²) / (2 r0) + nz z - h,
-a polynomial in x again, and concave in tau. Boxes of poses and points are halved where their bound does not do.
+Outside of the body with its hole filled, separation.py does. A plane of the hole's side, nr < 0, holds the section
+only: its distance nr r + nz z - h is bounded by r <= u . w + (v . w)² / (2 u . w) + ..., u being the direction
+across the axis where the plane touches, v the one around it: a polynomial in x again, and concave in tau. Boxes of
+poses and points are halved where no bound does.
 """
 
 import warp as wp
@@ -15,6 +15,7 @@ from gearsim.verify.torture.separation import (
     Path,
     Place,
     Tools,
+    judge_cell,
     look_at,
     lowest,
     place_of,
@@ -26,7 +27,9 @@ f64 = wp.float64
 
 wp.set_module_options({"enable_backward": False})
 
-DEEPEST_BOX = wp.constant(62)
+DEEPEST_BOX = wp.constant(100)
+WORD = wp.constant(50)
+ONE = wp.constant(wp.int64(1))
 MAX_BOXES = wp.constant(100000)
 UNDECIDED = wp.constant(2)
 
@@ -43,33 +46,27 @@ class Met:
 
 
 @wp.func
-def hole_taylor(g: Look, r0: f64, place: Place, point: wp.vec3d) -> wp.vec3d:
+def hole_series(g: Look, v: wp.vec3d, u_least: f64, place: Place, point: wp.vec3d) -> wp.vec3d:
     """S of a plane on the hole's side at a ray's point, and its first two derivatives by x."""
-    q = point - place.tip
-    z = wp.dot(q, place.axis)
-    z1 = wp.dot(q, place.axis1) - wp.dot(place.tip1, place.axis)
-    z2 = wp.dot(q, place.axis2) - f64(2.0) * wp.dot(place.tip1, place.axis1) - wp.dot(place.tip2, place.axis)
-    s0 = wp.length_sq(q) - z * z * (f64(2.0) - wp.length_sq(place.axis))
-    s1 = f64(-2.0) * (wp.dot(q, place.tip1) + z * z1)
-    s2 = f64(2.0) * (wp.length_sq(place.tip1) - wp.dot(q, place.tip2) - z1 * z1 - z * z2)
-    k = f64(0.5) * g.nr / r0
-    return wp.vec3d(k * (s0 + r0 * r0) + g.nz * z - g.h, k * s1 + g.nz * z1, k * s2 + g.nz * z2)
+    s = taylor(g, place, point)
+    around = g
+    around.u = v
+    around.nr = f64(1.0)
+    around.nz = f64(0.0)
+    around.h = f64(0.0)
+    c = taylor(around, place, point)
+    k = f64(0.5) * g.nr / u_least
+    return s + k * wp.vec3d(c[0] * c[0], f64(2.0) * c[0] * c[1], f64(2.0) * (c[1] * c[1] + c[0] * c[2]))
 
 
 @wp.func
-def hole_third(path: Path, row: int, far: f64, r0: f64) -> f64:
-    """Bound of the third derivative of S on the hole's side by x."""
-    t1 = path.bounds[row, 0]
-    t2 = path.bounds[row, 1]
-    t3 = path.bounds[row, 2]
-    a1 = path.bounds[row, 3]
-    a2 = path.bounds[row, 4]
-    a3 = path.bounds[row, 5]
-    z1 = t1 + far * a1
-    z2 = t2 + f64(2.0) * t1 * a1 + far * a2
-    z3 = t3 + f64(3.0) * (t2 * a1 + t1 * a2) + far * a3
-    squares = f64(6.0) * (t1 * t2 + z1 * z2) + f64(2.0) * far * (t3 + z3)
-    return f64(1.001) * (f64(0.5) * squares / r0 + z3)
+def across_series(g: Look, place: Place, point: wp.vec3d) -> wp.vec3d:
+    """u . w at a ray's point, and its first two derivatives by x."""
+    out = g
+    out.nr = f64(1.0)
+    out.nz = f64(0.0)
+    out.h = f64(0.0)
+    return taylor(out, place, point)
 
 
 @wp.func
@@ -81,13 +78,53 @@ def hole_bound(
     first = origin + lo * direction
     last = origin + hi * direction
     cube = half * half * half / f64(6.0)
+    k3 = third(path, row, far, half)
     if g.nr >= f64(0.0):
-        low = wp.min(lowest(taylor(g, place, first), half), lowest(taylor(g, place, last), half))
-        return low - third(path, row, far, half) * cube
-    q = origin + g.tau * direction - place.tip
-    r0 = wp.length(q - wp.dot(q, place.axis) * place.axis)
-    low = wp.min(lowest(hole_taylor(g, r0, place, first), half), lowest(hole_taylor(g, r0, place, last), half))
-    return low - hole_third(path, row, far, r0) * cube
+        return wp.min(lowest(taylor(g, place, first), half), lowest(taylor(g, place, last), half)) - k3 * cube
+    u_least = wp.min(
+        lowest(across_series(g, place, first), half), lowest(across_series(g, place, last), half)
+    ) - k3 * cube  # fmt: skip
+    if u_least <= f64(0.0):
+        return f64(-1.0e300)
+    v = wp.normalize(wp.cross(place.axis, g.u))
+    t1 = path.bounds[row, 0] + f64(2.0) * far * path.bounds[row, 3]
+    t2 = path.bounds[row, 1] + f64(4.0) * path.bounds[row, 0] * path.bounds[row, 3] + far * (
+        f64(2.0) * path.bounds[row, 4] + f64(2.0) * path.bounds[row, 3] * path.bounds[row, 3]
+    )
+    bend = k3 - f64(0.5) * g.nr / u_least * (f64(6.0) * t1 * t2 + f64(2.0) * far * k3)
+    tilt = far * path.bounds[row, 3] * half
+    low = wp.min(lowest(hole_series(g, v, u_least, place, first), half), lowest(hole_series(g, v, u_least, place, last), half))
+    return low - bend * cube + f64(0.51) * g.nr / u_least * tilt * tilt
+
+
+@wp.struct
+class Bits:
+    """A hundred bits in two words."""
+
+    low: wp.int64
+    high: wp.int64
+
+
+@wp.func
+def bit(bits: Bits, k: int) -> bool:
+    """Whether bit k is set."""
+    if k < WORD:
+        return ((bits.low >> wp.int64(k)) & ONE) == ONE
+    return ((bits.high >> wp.int64(k - WORD)) & ONE) == ONE
+
+
+@wp.func
+def with_bit(bits: Bits, k: int, value: bool) -> Bits:
+    """The bits with bit k set to a value."""
+    if k < WORD:
+        bits.low = bits.low & (~(ONE << wp.int64(k)))
+        if value:
+            bits.low = bits.low | (ONE << wp.int64(k))
+    else:
+        bits.high = bits.high & (~(ONE << wp.int64(k - WORD)))
+        if value:
+            bits.high = bits.high | (ONE << wp.int64(k - WORD))
+    return bits
 
 
 @wp.func
@@ -98,9 +135,8 @@ def met_in_row(
     """Whether a ring comes nearer than ``level`` [mm] to the piece [lo, hi] of a ray anywhere in a row."""
     out = Met()
     depth = int(0)
-    along = wp.int64(0)
-    upper = wp.int64(0)
-    one = wp.int64(1)
+    along = Bits()
+    upper = Bits()
     while depth >= 0:
         x = f64(0.0)
         half = f64(1.0)
@@ -108,18 +144,25 @@ def met_in_row(
         length = f64(0.5) * (hi - lo)
         for k in range(depth):
             way = f64(-1.0)
-            if ((upper >> wp.int64(k)) & one) == one:
+            if bit(upper, k):
                 way = f64(1.0)
-            if ((along >> wp.int64(k)) & one) == one:
+            if bit(along, k):
                 length = f64(0.5) * length
                 tau += way * length
             else:
                 half = f64(0.5) * half
                 x += way * half
         place = place_of(path, row, x)
-        g = look_at(tools, body, place, origin, direction, tau)
         out.boxes += 1
-        if g.f < level:
+        rest = third(path, row, far, half) * half * half * half / f64(6.0)
+        clear = (
+            judge_cell(
+                tools, body + 1, place, origin, direction, tau - length, tau + length, half, rest, level, slack
+            ).state
+            == CLEAR
+        )  # fmt: skip
+        g = look_at(tools, body, place, origin, direction, tau)
+        if not clear and g.f < level:
             out.state = HIT
             out.x = x
             out.half = half
@@ -128,37 +171,47 @@ def met_in_row(
         if out.boxes >= MAX_BOXES:
             out.state = UNDECIDED
             return out
-        clear = (
-            hole_bound(g, place, path, row, far, origin, direction, tau - length, tau + length, half) >= level - slack
-        )
+        if not clear:
+            bound = hole_bound(g, place, path, row, far, origin, direction, tau - length, tau + length, half)
+            fastest = path.bounds[row, 0] + far * path.bounds[row, 3]
+            clear = wp.max(bound, g.f - fastest * half - length) >= level - slack
         if clear or depth == DEEPEST_BOX:
             if not clear:
                 out.state = UNDECIDED
-            while depth > 0 and ((upper >> wp.int64(depth - 1)) & one) == one:
+            while depth > 0 and bit(upper, depth - 1):
                 depth -= 1
             if depth == 0:
                 return out
-            upper = (upper | (one << wp.int64(depth - 1))) & ((one << wp.int64(depth)) - one)
+            upper = with_bit(upper, depth - 1, True)
         else:
             rate = taylor(g, place, origin + tau * direction)
             by_x = wp.abs(rate[1]) * half + (wp.abs(rate[2]) + path.bounds[row, 0] * path.bounds[row, 0] / far) * half * half
             by_tau = (wp.abs(g.slope) + length / far) * length
-            along = along & ((one << wp.int64(depth)) - one)
-            upper = upper & ((one << wp.int64(depth)) - one)
-            if by_tau > by_x:
-                along = along | (one << wp.int64(depth))
+            along = with_bit(along, depth, by_tau > by_x)
+            upper = with_bit(upper, depth, False)
             depth += 1
     return out
 
 
 @wp.func
+def stays(a: Look, b: Look, middle: Look, r: f64, level: f64) -> bool:
+    """Whether a ray stays in a ring grown by ``level`` between two points.
+
+    The distance along it changes no faster than the way and bends down by -nr / r at most, not at all on the outside.
+    """
+    jump = wp.abs(b.tau - a.tau)
+    most = wp.max(a.f, b.f)
+    inward = wp.max(-wp.min(wp.min(a.nr, b.nr), middle.nr), f64(0.0))
+    if middle.f > level:
+        return False
+    return most + inward * jump * jump / (f64(4.0) * r) <= level or f64(2.0) * level - a.f - b.f >= jump
+
+
+@wp.func
 def followed(
     tools: Tools, body: int, place: Place, origin: wp.vec3d, direction: wp.vec3d, start: f64, end: f64, level: f64
-) -> f64:
-    """How far from ``start`` towards ``end`` a ray stays in a ring grown by ``level`` at a pose.
-
-    The distance changes no faster than the way, and bends down no more than 1/r.
-    """
+) -> f64:  # fmt: skip
+    """How far from ``start`` towards ``end`` a ray stays in a ring grown by ``level`` at a pose."""
     way = wp.sign(end - start)
     g = look_at(tools, body, place, origin, direction, start)
     step = int(0)
@@ -170,16 +223,18 @@ def followed(
         if g.slope * way > f64(0.0):
             jump = wp.min(jump, f64(0.9) * depth / (g.slope * way))
         jump = wp.min(jump, wp.abs(end - g.tau))
-        next = look_at(tools, body, place, origin, direction, g.tau + way * jump)
+        next = g
         trial = int(0)
-        while trial < 8 and wp.max(g.f, next.f) + jump * jump / (f64(4.0) * r) > level and jump > depth:
-            jump = f64(0.4) * jump
+        good = int(0)
+        while trial < 40 and good == 0:
             next = look_at(tools, body, place, origin, direction, g.tau + way * jump)
+            middle = look_at(tools, body, place, origin, direction, g.tau + f64(0.5) * way * jump)
+            if stays(g, next, middle, r, level):
+                good = 1
+            else:
+                jump = wp.max(f64(0.4) * jump, wp.min(f64(0.99) * depth, jump))
             trial += 1
-        if wp.max(g.f, next.f) + jump * jump / (f64(4.0) * r) > level:
-            jump = wp.min(depth, wp.abs(end - g.tau))
-            next = look_at(tools, body, place, origin, direction, g.tau + way * jump)
-        if next.tau == g.tau:
+        if good == 0 or next.tau == g.tau:
             return g.tau
         g = next
         step += 1

@@ -60,12 +60,15 @@ class Judgement:
 
 
 def judge(
-    claims: Sequence[Claim], tolerance: float = 1e-9, depth: float = 0.0, threads: int | None = None
+    claims: Sequence[Claim], tolerance: float, depth: float = 0.0, noise_factor: float = 1.0
 ) -> list[Judgement]:
-    """Judge claims to ``tolerance`` [mm] along the rays; surfaces may be off by the noise, or ``depth`` [mm] if more."""
+    """Judge claims to ``tolerance`` [mm] along the rays.
+
+    Surfaces may be off by ``noise_factor`` times the noise, or by ``depth`` [mm] where that is more.
+    """
     rays = join_rays([c.rays for c in claims])
     count = np.array([len(c.rays) for c in claims])
-    noise = np.maximum(np.concatenate([noise_of(c) for c in claims]), depth)
+    noise = np.maximum(noise_factor * np.concatenate([noise_of(c) for c in claims]), depth)
     data = _claims(claims, rays, count, noise)
     n, slots = len(rays), max(len(c.table) * len(bodies(c.cutter)) * int(oracle.POSES) for c in claims)
     chords = wp.empty((n, slots), dtype=wp.vec2d, device="cpu")
@@ -77,10 +80,14 @@ def judge(
         wp.launch(oracle.judge_rays, size, [*inputs, begin, data, chords], [found], device="cpu")
 
     wp.load_module(oracle, device="cpu")
-    with ThreadPoolExecutor(threads or os.cpu_count() or 1) as pool:
+    with ThreadPoolExecutor(os.cpu_count() or 1) as pool:
         list(pool.map(launch, range(0, n, _SLICE)))
     names = [k for k in Judgement.__dataclass_fields__ if k != "noise"]
-    whole = Judgement(*(getattr(found, k).numpy() for k in names), noise)
+    columns = {k: getattr(found, k).numpy() for k in names}
+    rows, parts = ([0, *np.cumsum(c)[:-1]] for c in ([len(c.table) for c in claims], [len(bodies(c.cutter)) for c in claims]))
+    columns["row"] = columns["row"] - np.repeat(rows, count)
+    columns["body"] = columns["body"] - np.repeat(parts, count)
+    whole = Judgement(**columns, noise=noise)
     ends = np.cumsum(count)
     return [whole.part(end - size, end) for end, size in zip(ends, count, strict=True)]
 

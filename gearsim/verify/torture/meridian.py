@@ -35,9 +35,10 @@ class Body:
 
 
 def bodies(cutter: Profile) -> list[Body]:
-    """The convex bodies whose union is the tool; of a ring its section."""
+    """The convex bodies whose union is the tool; of a ring its section, and the convex body it is cut out of."""
     if cutter.is_ring:
-        return [_body(list(cutter.elements), closed=True)]
+        section = _body(list(cutter.elements), closed=True)
+        return [section, _filled(section, [e.box for e in cutter.elements])]
     runs: list[list[Element]] = [[cutter.elements[0]]]
     for before, after in zip(cutter.elements[:-1], cutter.elements[1:], strict=True):
         if _cross(_normals(before)[1], _normals(after)[0]) < -_REENTRANT:
@@ -65,6 +66,17 @@ def _body(run: list[Element], closed: bool) -> Body:
         joints += [((0.0, -1.0), ends[0][0][0], bottom), (ends[-1][0][1], (0.0, 1.0), top)]
     wedges += [[*p, 0.0, *n, *m] for n, m, p in joints if _cross(n, m) > _TURN]
     return Body(np.array(planes), np.array(wedges).reshape(-1, 7))
+
+
+def _filled(section: Body, boxes: list[tuple[float, float, float, float]]) -> Body:
+    """A ring's body with its hole filled: the half-planes whose normals do not point to the axis."""
+    ends = [[0.0, -1.0, -min(b[2] for b in boxes)], [0.0, 1.0, max(b[3] for b in boxes)]]
+    planes = np.vstack([section.planes[section.planes[:, 0] >= 0.0], ends])
+    wedges = section.wedges.copy()
+    wedges[wedges[:, 3] < 0.0, 3:5] = [0.0, -1.0]
+    wedges[wedges[:, 5] < 0.0, 5:7] = [0.0, 1.0]
+    outward = np.maximum(section.wedges[:, 3], section.wedges[:, 5]) > 0.0
+    return Body(planes, wedges[outward])
 
 
 def _normals(e: Element) -> tuple[Vector, Vector]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,6 +17,7 @@ from gearsim.motion.segments import SegmentTable, compile_motion
 from gearsim.motion.sources import CLMotion, CurveMotion, MotionSource
 
 _ROWS = 3
+_DIGITS = 2.0**36
 
 
 def _direction(rng: np.random.Generator) -> NDArray:
@@ -128,7 +130,17 @@ KINDS: dict[str, Callable[[np.random.Generator, float], MotionSource]] = {
 
 
 def rows(kind: str, rng: np.random.Generator, size: float, reach: float) -> SegmentTable:
-    """A few consecutive rows of a motion of a kind, as they are compiled for a tool of that reach [mm]."""
+    """A few consecutive rows of a motion of a kind, as they are compiled for a tool of that reach [mm].
+
+    Of motions on the grid half are cleared of what rounding left in the polynomials: then touches are exact.
+    """
     table = compile_motion(KINDS[kind](rng, size), reach)
     first = int(rng.integers(max(len(table) - _ROWS, 0) + 1))
-    return table.part(slice(first, first + int(rng.integers(1, _ROWS + 1))))
+    table = table.part(slice(first, first + int(rng.integers(1, _ROWS + 1))))
+    if kind not in ("grid", "standing") or rng.random() < 0.5:
+        return table
+    return replace(table, tip=_cleared(table.tip, size), axis=_cleared(table.axis, 1.0))
+
+
+def _cleared(coefficients: NDArray, unit: float) -> NDArray:
+    return unit * np.round(coefficients / unit * _DIGITS) / _DIGITS

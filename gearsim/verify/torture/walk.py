@@ -133,7 +133,7 @@ def reached(
     """The first hit of a piece of a ray by any body in any row of a job, or the certainty that there is none."""
     total = Reached()
     for row in range(path.first[job], path.first[job + 1]):
-        for body in range(tools.first[job], tools.first[job + 1]):
+        for body in range(tools.first[job], tools.first[job + 1] - tools.hollow[job]):
             part = Reached()
             if tools.hollow[job] == 1:
                 part = reached_by_ring(

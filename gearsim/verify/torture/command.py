@@ -1,0 +1,42 @@
+"""The torture in its sizes, behind ``gearsim verify --torture SIZE``."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from time import perf_counter
+
+from gearsim.errors import InputError
+from gearsim.verify.torture import motions, rays, tools
+from gearsim.verify.torture.campaign import Case, case, try_cases
+from gearsim.verify.torture.defects import defects
+from gearsim.verify.torture.report import Figures
+
+TOLERANCE = 1e-9
+PAIRS = {"small": 12_000, "medium": 800_000, "large": 10_000_000}
+_RAYS_A_KIND = {"small": 4, "medium": 24, "large": 24}
+_CASES = 48
+
+
+def torture(size: str, seed: int, progress: Callable[[int], None] = lambda n: None) -> tuple[Figures, float]:
+    """Try as many ray-row pairs as the size says; what was found, and the seconds it took.
+
+    ``progress`` is told of pairs done. Raises InputError for an unknown size.
+    """
+    if size not in PAIRS:
+        raise InputError(f"no torture of size {size!r}; there are {', '.join(PAIRS)}")
+    started, figures, batch = perf_counter(), Figures(), 0
+    while figures.pairs < PAIRS[size]:
+        done = figures.pairs
+        for tried in try_cases([planned((seed, batch, i), size) for i in range(_CASES)], TOLERANCE):
+            figures.add(tried, defects(tried, TOLERANCE))
+        progress(figures.pairs - done)
+        batch += 1
+    return figures, perf_counter() - started
+
+
+def planned(seed: tuple[int, ...], size: str) -> Case:
+    """The case of a seed: tools and motions take turns, so that every kind comes in every size."""
+    turn = seed[1] * _CASES + seed[2]
+    tool = tools.KINDS[turn % len(tools.KINDS)]
+    motion = list(motions.KINDS)[(turn // len(tools.KINDS) + turn) % len(motions.KINDS)]
+    return case(seed, tool, motion, list(rays.KINDS), _RAYS_A_KIND[size] // (4 if tool in tools.RINGS else 1))

@@ -1,0 +1,109 @@
+"""The tool's distance in 40 digits, for what lies near the noise of float64: from the profile's and table's numbers."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from typing import Any
+
+from gearsim.cutters.element import Element
+from gearsim.cutters.profile import Profile
+from gearsim.errors import InputError
+from gearsim.motion.segments import SegmentTable
+
+DIGITS = 40
+_GRID = 400
+_STEPS = 120
+
+Point = Sequence[Any]
+
+
+def _mp() -> Any:
+    try:
+        from mpmath import mp
+    except ImportError:
+        raise InputError("40 digits need mpmath: pip install gearsim[dev]") from None
+    mp.dps = DIGITS
+    return mp
+
+
+def section_distance(cutter: Profile, r: Any, z: Any) -> Any:
+    """Signed distance [mm] of (r, z) to the nearest element, negative inside the tool."""
+    mp = _mp()
+    best, side = None, 1
+    for e in cutter.elements:
+        gap, along = _to_element(mp, e, r, z)
+        if best is None or gap < best - mp.mpf(10) ** -30 or (gap <= best + mp.mpf(10) ** -30 and abs(along) > abs(side)):
+            best, side = gap if best is None else min(gap, best), along
+    return best if side > 0 else -best
+
+
+def _to_element(mp: Any, e: Element, r: Any, z: Any) -> tuple[Any, Any]:
+    """Distance to an element, and how far the point lies on its outer side."""
+    (r0, z0), (r1, z1) = ([mp.mpf(float(c)) for c in p] for p in (e.start, e.end))
+    if not e.is_arc:
+        length = mp.hypot(r1 - r0, z1 - z0)
+        tr, tz = (r1 - r0) / length, (z1 - z0) / length
+        s = min(max((r - r0) * tr + (z - z0) * tz, mp.mpf(0)), length)
+        dr, dz = r - r0 - s * tr, z - z0 - s * tz
+        return mp.hypot(dr, dz), dr * tz - dz * tr
+    rc, zc, radius = (mp.mpf(float(c)) for c in (*e.centre, e.radius))
+    dr, dz = r - rc, z - zc
+    size = mp.hypot(dr, dz)
+    if size > 0 and (r0 - rc) * dz - (z0 - zc) * dr >= 0 and dr * (z1 - zc) - dz * (r1 - rc) >= 0:
+        return abs(size - radius), size - radius
+    ends = [(mp.hypot(r - a, z - b), (r - a) * (a - rc) + (z - b) * (b - zc)) for a, b in ((r0, z0), (r1, z1))]
+    gap, along = min(ends, key=lambda end: end[0])
+    return gap, along / radius
+
+
+def distance(cutter: Profile, table: SegmentTable, row: int, origin: Point, direction: Point, x: Any, tau: Any) -> Any:
+    """Signed distance [mm] of a ray's point to the tool at x of a row of the table."""
+    mp = _mp()
+    x, tau = mp.mpf(x), mp.mpf(tau)
+    tip, axis = ([_horner(mp, c[row, :, i], x) for i in range(3)] for c in (table.tip, table.axis))
+    size = mp.sqrt(sum(a * a for a in axis))
+    q = [mp.mpf(float(o)) + tau * mp.mpf(float(d)) - t for o, d, t in zip(origin, direction, tip, strict=True)]
+    z = sum(a * b for a, b in zip(q, axis, strict=True)) / size
+    r = mp.sqrt(sum((a - z * b / size) ** 2 for a, b in zip(q, axis, strict=True)))
+    return section_distance(cutter, r, z)
+
+
+def least_distance(cutter: Profile, table: SegmentTable, origin: Point, direction: Point, tau: float) -> Any:
+    """Least distance [mm] of a ray's point over all rows: a grid of poses, then golden sections around its lowest."""
+    mp = _mp()
+    return min(
+        _least(mp, lambda x, row=row: distance(cutter, table, row, origin, direction, x, tau)) for row in range(len(table))
+    )
+
+
+def _least(mp: Any, f: Callable[[Any], Any]) -> Any:
+    grid = [mp.mpf(2 * k) / _GRID - 1 for k in range(_GRID + 1)]
+    values = [f(x) for x in grid]
+    lows = [k for k in range(_GRID + 1) if values[k] <= min(values[max(k - 1, 0)], values[min(k + 1, _GRID)])]
+    best = min(values)
+    for k in sorted(lows, key=lambda k: values[k])[:3]:
+        best = min(best, _golden(mp, f, grid[max(k - 1, 0)], grid[min(k + 1, _GRID)]))
+    return best
+
+
+def _golden(mp: Any, f: Callable[[Any], Any], a: Any, b: Any) -> Any:
+    g = (mp.sqrt(5) - 1) / 2
+    c, d = b - g * (b - a), a + g * (b - a)
+    fc, fd = f(c), f(d)
+    for _ in range(_STEPS):
+        if fc < fd:
+            b, d, fd = d, c, fc
+            c = b - g * (b - a)
+            fc = f(c)
+        else:
+            a, c, fc = c, d, fd
+            d = a + g * (b - a)
+            fd = f(d)
+    return min(fc, fd)
+
+
+def _horner(mp: Any, coefficients: Sequence[Any], x: Any) -> Any:
+    value = mp.mpf(0)
+    for c in reversed(coefficients):
+        value = value * x + mp.mpf(float(c))
+    return value
