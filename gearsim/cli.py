@@ -149,8 +149,9 @@ def _add_verify(commands: Any) -> None:
         description="Check closed-form machined surfaces at random points: distance to the tool over its whole motion, "
         "side, normals, curvatures. A formula of your own: --surface; points of your own: --points-file.",
         epilog="examples:\n  gearsim verify\n  gearsim verify spiral-bevel-flank --points 2000 --out verify.json\n"
-        "  gearsim verify --surface my_surface.py\n  gearsim verify spiral-bevel-flank --points-file points.csv\n\n"
-        "exit codes:\n  0  every closed form passed\n  1  one failed, the table says which\n  2  bad input\n",
+        "  gearsim verify --surface my_surface.py\n  gearsim verify spiral-bevel-flank --points-file points.csv\n"
+        "  gearsim verify --torture medium\n\n"
+        "exit codes:\n  0  all passed\n  1  something failed, the table says what\n  2  bad input\n",
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     verify.add_argument("scenes", nargs="*", metavar="SCENE", help="built-in scenes or .toml files (default: all)")
@@ -158,6 +159,8 @@ def _add_verify(commands: Any) -> None:
     lists = verify.add_mutually_exclusive_group()
     lists.add_argument("--points-file", type=Path, metavar="FILE", help="check this point list (.csv or .parquet)")
     lists.add_argument("--write-points", type=Path, metavar="FILE", help="write the surfaces as point lists instead")
+    lists.add_argument("--torture", metavar="SIZE", help="small (CI), medium (minutes), large (an hour): judge the "
+                       "removal road by an oracle of its own, on rays that touch, graze and pass")  # fmt: skip
     verify.add_argument("--points", type=_positive, default=500, help="points per surface (default: %(default)s)")
     verify.add_argument("--seed", type=int, default=1, help="seed of the random points (default: %(default)s)")
     verify.add_argument("--limit-mm", type=_size, default=1e-9, help="largest distance error (default: %(default)s)")
@@ -254,6 +257,10 @@ def _size(text: str) -> float:
 
 
 def _verify(options: argparse.Namespace) -> int:
+    if options.torture:
+        from gearsim.verify.torture.command import run_torture
+
+        return run_torture(options)
     from gearsim.output.summary import write_json
     from gearsim.verify.checks import Limits
     from gearsim.verify.command import subjects_of, verify_all, verify_list, write_lists

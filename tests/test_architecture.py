@@ -14,7 +14,7 @@ ORDER = [
     "simulation", "metrology", "gouging", "result", "output", "scene", "flank_milling", "generating",
     "generation_milling", "sculptured", "runner", "verify", "bench", "cli",
 ]  # fmt: skip
-LAUNCHERS = {"kernels", "envelope", "simulation", "gouging", "bench"}
+LAUNCHERS = {"kernels", "envelope", "simulation", "gouging", "verify", "bench"}
 HEAVY = {"warp", "pyvista", "OpenEXR", "pyarrow", "matplotlib"}
 
 

@@ -20,7 +20,7 @@ _SIZES = (1e-3, 0.0625, 0.1, 1.0, 1.0, 2.0, 8.0, 10.0, 16.0, 100.0, 1000.0)
 
 @dataclass(frozen=True)
 class Case:
-    """A cutter, a motion and rays, with the names of their kinds; ``ray_kind`` is one a ray, ``seed`` makes it again."""
+    """A cutter, a motion and rays, with the names of their kinds: one ``ray_kind`` a ray. ``seed`` makes it again."""
 
     seed: tuple[int, ...]
     tool: str

@@ -2,19 +2,39 @@
 
 from __future__ import annotations
 
+import argparse
 from collections.abc import Callable
 from time import perf_counter
 
 from gearsim.errors import InputError
+from gearsim.output.screen import ScreenProgress
+from gearsim.output.summary import write_json
 from gearsim.verify.torture import motions, rays, tools
 from gearsim.verify.torture.campaign import Case, case, try_cases
 from gearsim.verify.torture.defects import defects
-from gearsim.verify.torture.report import Figures
+from gearsim.verify.torture.report import Figures, print_report, summary
 
 TOLERANCE = 1e-9
 PAIRS = {"small": 12_000, "medium": 800_000, "large": 10_000_000}
 _RAYS_A_KIND = {"small": 4, "medium": 24, "large": 24}
 _CASES = 48
+
+
+def run_torture(options: argparse.Namespace) -> int:
+    """``gearsim verify --torture``: print what was found, write it where asked; the exit code."""
+    if options.scenes or options.surface:
+        raise InputError("--torture takes no scene and no --surface: it makes its own tools and motions")
+    size, seed = options.torture, options.seed
+    with ScreenProgress() as progress:
+        progress.stage(f"torture, {size}", PAIRS.get(size, 0))
+        figures, seconds = torture(size, seed, progress.advance)
+    print_report(figures, seconds)
+    if options.out:
+        try:
+            write_json(summary(figures, size, seed, seconds), options.out)
+        except OSError as error:
+            raise InputError(f"cannot write {options.out}: {error.strerror}") from error
+    return figures.exit_code
 
 
 def torture(size: str, seed: int, progress: Callable[[int], None] = lambda n: None) -> tuple[Figures, float]:

@@ -36,7 +36,7 @@ def defects(tried: Tried, tolerance: float) -> list[Defect]:
     wrong = np.flatnonzero(tried.lost | tried.spanned)
     if not len(wrong):
         return []
-    case, judged = tried.case, tried.judgement
+    case = tried.case
     part = Claim(case.rays.part(wrong), case.table, case.cutter, chosen(tried.removal.removed, wrong))
     near = judge([part], tolerance, noise_factor=_NEAR)[0]
     deep = judge([part], tolerance, depth=_DEEP)[0]

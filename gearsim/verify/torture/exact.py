@@ -3,7 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from functools import partial
 from typing import Any
+
+from numpy.typing import NDArray
 
 from gearsim.cutters.element import Element
 from gearsim.cutters.profile import Profile
@@ -29,12 +32,10 @@ def _mp() -> Any:
 def section_distance(cutter: Profile, r: Any, z: Any) -> Any:
     """Signed distance [mm] of (r, z) to the nearest element, negative inside the tool."""
     mp = _mp()
-    best, side = None, 1
-    for e in cutter.elements:
-        gap, along = _to_element(mp, e, r, z)
-        if best is None or gap < best - mp.mpf(10) ** -30 or (gap <= best + mp.mpf(10) ** -30 and abs(along) > abs(side)):
-            best, side = gap if best is None else min(gap, best), along
-    return best if side > 0 else -best
+    found = [_to_element(mp, e, r, z) for e in cutter.elements]
+    least = min(gap for gap, _ in found)
+    _, side = max((f for f in found if f[0] <= least + mp.mpf(10) ** -30), key=lambda f: abs(f[1]))
+    return least if side > 0 else -least
 
 
 def _to_element(mp: Any, e: Element, r: Any, z: Any) -> tuple[Any, Any]:
@@ -71,9 +72,8 @@ def distance(cutter: Profile, table: SegmentTable, row: int, origin: Point, dire
 def least_distance(cutter: Profile, table: SegmentTable, origin: Point, direction: Point, tau: float) -> Any:
     """Least distance [mm] of a ray's point over all rows: a grid of poses, then golden sections around its lowest."""
     mp = _mp()
-    return min(
-        _least(mp, lambda x, row=row: distance(cutter, table, row, origin, direction, x, tau)) for row in range(len(table))
-    )
+    rows = range(len(table))
+    return min(_least(mp, partial(distance, cutter, table, row, origin, direction, tau=tau)) for row in rows)
 
 
 def _least(mp: Any, f: Callable[[Any], Any]) -> Any:
@@ -102,7 +102,7 @@ def _golden(mp: Any, f: Callable[[Any], Any], a: Any, b: Any) -> Any:
     return min(fc, fd)
 
 
-def _horner(mp: Any, coefficients: Sequence[Any], x: Any) -> Any:
+def _horner(mp: Any, coefficients: NDArray, x: Any) -> Any:
     value = mp.mpf(0)
     for c in reversed(coefficients):
         value = value * x + mp.mpf(float(c))

@@ -15,8 +15,8 @@ from gearsim.cutters.profile import Profile
 from gearsim.geometry.rays import RayBundle, join_rays
 from gearsim.motion.segments import SegmentTable
 from gearsim.simulation.intervals import IntervalSet
-from gearsim.verify.torture import oracle
 from gearsim.verify.torture.meridian import bodies
+from gearsim.verify.torture.oracle import claims as oracle
 
 CLEAR, HIT, UNDECIDED = 0, 1, 2
 _SLICE = 512
@@ -59,9 +59,7 @@ class Judgement:
         return Judgement(*(getattr(self, name)[begin:end] for name in self.__dataclass_fields__))
 
 
-def judge(
-    claims: Sequence[Claim], tolerance: float, depth: float = 0.0, noise_factor: float = 1.0
-) -> list[Judgement]:
+def judge(claims: Sequence[Claim], tolerance: float, depth: float = 0.0, noise_factor: float = 1.0) -> list[Judgement]:
     """Judge claims to ``tolerance`` [mm] along the rays.
 
     Surfaces may be off by ``noise_factor`` times the noise, or by ``depth`` [mm] where that is more.
@@ -84,7 +82,9 @@ def judge(
         list(pool.map(launch, range(0, n, _SLICE)))
     names = [k for k in Judgement.__dataclass_fields__ if k != "noise"]
     columns = {k: getattr(found, k).numpy() for k in names}
-    rows, parts = ([0, *np.cumsum(c)[:-1]] for c in ([len(c.table) for c in claims], [len(bodies(c.cutter)) for c in claims]))
+    rows, parts = (
+        [0, *np.cumsum(c)[:-1]] for c in ([len(c.table) for c in claims], [len(bodies(c.cutter)) for c in claims])
+    )
     columns["row"] = columns["row"] - np.repeat(rows, count)
     columns["body"] = columns["body"] - np.repeat(parts, count)
     whole = Judgement(**columns, noise=noise)

@@ -8,6 +8,7 @@ turns inward somewhere is the union of the bodies between those corners.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
@@ -40,7 +41,7 @@ def bodies(cutter: Profile) -> list[Body]:
         section = _body(list(cutter.elements), closed=True)
         return [section, _filled(section, [e.box for e in cutter.elements])]
     runs: list[list[Element]] = [[cutter.elements[0]]]
-    for before, after in zip(cutter.elements[:-1], cutter.elements[1:], strict=True):
+    for before, after in pairwise(cutter.elements):
         if _cross(_normals(before)[1], _normals(after)[0]) < -_REENTRANT:
             runs.append([])
         runs[-1].append(after)
@@ -57,7 +58,7 @@ def _body(run: list[Element], closed: bool) -> Body:
             planes.append([*n, max(n[0] * p[0] + n[1] * p[1] for p in points)])
         if e.is_arc:
             wedges.append([*e.centre, e.radius, *normals[0], *normals[1]])
-    joints = [(a[0][1], b[0][0], a[2]) for a, b in zip(ends[:-1], ends[1:], strict=True)]
+    joints = [(a[0][1], b[0][0], a[2]) for a, b in pairwise(ends)]
     if closed:
         joints.append((ends[-1][0][1], ends[0][0][0], ends[-1][2]))
     else:

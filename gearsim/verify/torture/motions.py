@@ -96,8 +96,8 @@ def arc(rng: np.random.Generator, size: float) -> MotionSource:
 
 def nc(rng: np.random.Generator, size: float) -> MotionSource:
     """One block of a five-axis machine, all axes linear or with tip control."""
-    make = [table_table_bc, table_table_ac, head_head_cb, head_b_table_c][rng.integers(4)]
-    machine = make(30.0 * size) if make in (head_head_cb, head_b_table_c) else make((0.0, 0.0, -20.0 * size))
+    table, head = (0.0, 0.0, -20.0 * size), 30.0 * size
+    machine = [table_table_bc(table), table_table_ac(table), head_head_cb(head), head_b_table_c(head)][rng.integers(4)]
     rotary = np.radians(rng.uniform(-60.0, 60.0, 2))
     turned = np.radians(10.0 ** rng.uniform(-3.0, 0.0)) * rng.uniform(-1.0, 1.0, 2)
     values = np.zeros((2, 5))

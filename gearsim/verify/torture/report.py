@@ -81,7 +81,9 @@ def print_report(figures: Figures, seconds: float) -> None:
     console.print(table)
     for d in sorted(figures.defects, key=lambda d: -d.length)[:_SHOWN]:
         console.print(_line(d), markup=False)
-    shares = ", ".join(f"{figures.count(k)} {k} ({figures.count(k, True)} deeper than 1e-10 mm)" for k in (LOST, SPANNED, END))
+    shares = ", ".join(
+        f"{figures.count(k)} {k} ({figures.count(k, True)} deeper than 1e-10 mm)" for k in (LOST, SPANNED, END)
+    )
     console.print(
         f"{figures.pairs:,} ray-row pairs, {figures.hits:,} of {figures.rays:,} rays hit, {figures.flagged:,} flagged, "
         f"{figures.undecided} undecided: {shares}; {seconds:.0f} s",

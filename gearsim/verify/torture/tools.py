@@ -43,7 +43,15 @@ class Draw:
 def _apt(d: Draw) -> dict[str, float]:
     alpha, beta, e = d.angle(5.0, 30.0), d.angle(5.0, 30.0), d.length(0.0, 2.0)
     if d.chance(0.3):
-        return {"d": d.length(1.0, 4.0), "r": 0.0, "e": 0.0, "f": 0.0, "alpha": alpha, "beta": beta, "h": d.length(4, 9)}
+        return {
+            "d": d.length(1.0, 4.0),
+            "r": 0.0,
+            "e": 0.0,
+            "f": 0.0,
+            "alpha": alpha,
+            "beta": beta,
+            "h": d.length(4, 9),
+        }
     r = d.length(0.2, 1.0)
     f = e * tan(alpha) + r / np.cos(alpha)
     side = e * np.cos(beta) - f * np.sin(beta) + r

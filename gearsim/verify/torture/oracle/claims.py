@@ -7,9 +7,9 @@ lies in the tool at some pose, the tool made larger by the noise.
 
 import warp as wp
 
-from gearsim.verify.torture.hollow import UNDECIDED, followed
-from gearsim.verify.torture.separation import HIT, SLACK, Path, Tools, look_at, place_of
-from gearsim.verify.torture.walk import chord_end, deepest, inside_at, reached, within
+from gearsim.verify.torture.oracle.hollow import UNDECIDED, followed
+from gearsim.verify.torture.oracle.separation import HIT, SLACK, Path, Tools, look_at, place_of
+from gearsim.verify.torture.oracle.walk import chord_end, deepest, inside_at, reached, within
 
 f64 = wp.float64
 
@@ -56,8 +56,8 @@ class Findings:
 
 @wp.func
 def chord(
-    tools: Tools, path: Path, body: int, row: int, x: f64, reach: f64, origin: wp.vec3d, direction: wp.vec3d, level: f64,
-    lo: f64, hi: f64,
+    tools: Tools, path: Path, body: int, row: int, x: f64, reach: f64, origin: wp.vec3d, direction: wp.vec3d,
+    level: f64, lo: f64, hi: f64,
 ) -> wp.vec2d:  # fmt: skip
     """The part of [lo, hi] of a ray in a body grown by ``level`` at a pose; empty (1, 0)."""
     place = place_of(path, row, x)

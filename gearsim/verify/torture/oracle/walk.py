@@ -2,8 +2,8 @@
 
 import warp as wp
 
-from gearsim.verify.torture.hollow import UNDECIDED, met_in_row
-from gearsim.verify.torture.separation import (
+from gearsim.verify.torture.oracle.hollow import UNDECIDED, met_in_row
+from gearsim.verify.torture.oracle.separation import (
     CLEAR,
     HIT,
     Look,
@@ -154,7 +154,15 @@ def reached(
 
 @wp.func
 def deepest(
-    tools: Tools, body: int, path: Path, row: int, origin: wp.vec3d, direction: wp.vec3d, start: f64, tau: f64, step: f64
+    tools: Tools,
+    body: int,
+    path: Path,
+    row: int,
+    origin: wp.vec3d,
+    direction: wp.vec3d,
+    start: f64,
+    tau: f64,
+    step: f64,
 ) -> f64:
     """A pose near ``start`` at which a point of the ray lies deeper, found downhill with growing steps."""
     x = start

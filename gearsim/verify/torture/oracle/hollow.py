@@ -8,7 +8,7 @@ poses and points are halved where no bound does.
 
 import warp as wp
 
-from gearsim.verify.torture.separation import (
+from gearsim.verify.torture.oracle.separation import (
     CLEAR,
     HIT,
     Look,
@@ -88,12 +88,16 @@ def hole_bound(
         return f64(-1.0e300)
     v = wp.normalize(wp.cross(place.axis, g.u))
     t1 = path.bounds[row, 0] + f64(2.0) * far * path.bounds[row, 3]
-    t2 = path.bounds[row, 1] + f64(4.0) * path.bounds[row, 0] * path.bounds[row, 3] + far * (
-        f64(2.0) * path.bounds[row, 4] + f64(2.0) * path.bounds[row, 3] * path.bounds[row, 3]
+    t2 = (
+        path.bounds[row, 1]
+        + f64(4.0) * path.bounds[row, 0] * path.bounds[row, 3]
+        + far * (f64(2.0) * path.bounds[row, 4] + f64(2.0) * path.bounds[row, 3] * path.bounds[row, 3])
     )
     bend = k3 - f64(0.5) * g.nr / u_least * (f64(6.0) * t1 * t2 + f64(2.0) * far * k3)
     tilt = far * path.bounds[row, 3] * half
-    low = wp.min(lowest(hole_series(g, v, u_least, place, first), half), lowest(hole_series(g, v, u_least, place, last), half))
+    low = wp.min(
+        lowest(hole_series(g, v, u_least, place, first), half), lowest(hole_series(g, v, u_least, place, last), half)
+    )
     return low - bend * cube + f64(0.51) * g.nr / u_least * tilt * tilt
 
 
@@ -185,7 +189,10 @@ def met_in_row(
             upper = with_bit(upper, depth - 1, True)
         else:
             rate = taylor(g, place, origin + tau * direction)
-            by_x = wp.abs(rate[1]) * half + (wp.abs(rate[2]) + path.bounds[row, 0] * path.bounds[row, 0] / far) * half * half
+            by_x = (
+                wp.abs(rate[1]) * half
+                + (wp.abs(rate[2]) + path.bounds[row, 0] * path.bounds[row, 0] / far) * half * half
+            )
             by_tau = (wp.abs(g.slope) + length / far) * length
             along = with_bit(along, depth, by_tau > by_x)
             upper = with_bit(upper, depth, False)

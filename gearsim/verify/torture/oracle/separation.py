@@ -23,7 +23,7 @@ SLACK = wp.constant(f64(0.05))
 
 @wp.struct
 class Tools:
-    """Convex bodies of all jobs' tools (meridian.py); ``first`` [job], ``reach`` [mm] from the tip, ``hollow``: a ring."""
+    """Convex bodies of all jobs' tools (meridian.py) from ``first`` [job] on; ``reach`` [mm]; ``hollow``: rings."""
 
     planes: wp.array2d(dtype=f64)
     wedges: wp.array2d(dtype=f64)
@@ -127,10 +127,9 @@ def look_at(tools: Tools, body: int, place: Place, origin: wp.vec3d, direction: 
     for i in range(tools.wedge_first[body], tools.wedge_first[body + 1]):
         dr = r - tools.wedges[i, 0]
         dz = z - tools.wedges[i, 1]
-        if (
-            tools.wedges[i, 3] * dz - tools.wedges[i, 4] * dr >= f64(0.0)
-            and tools.wedges[i, 6] * dr - tools.wedges[i, 5] * dz >= f64(0.0)
-        ):
+        if tools.wedges[i, 3] * dz - tools.wedges[i, 4] * dr >= f64(0.0) and tools.wedges[i, 6] * dr - tools.wedges[
+            i, 5
+        ] * dz >= f64(0.0):
             size = wp.sqrt(dr * dr + dz * dz)
             if size - tools.wedges[i, 2] > best and size > f64(0.0):
                 best = size - tools.wedges[i, 2]
