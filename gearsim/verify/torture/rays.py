@@ -28,8 +28,12 @@ class Scene:
         """Tips, axes and their rates at n poses: the ends of rows, or any."""
         row = self.rng.integers(len(self.table), size=n)
         x = self.rng.choice([-1.0, 1.0], size=n) if at_ends else self.rng.uniform(-1.0, 1.0, n)
+        return self.pose_at(row, x)
+
+    def pose_at(self, row: NDArray, x: NDArray) -> tuple[NDArray, NDArray, NDArray, NDArray]:
+        """Tips, axes and their rates at poses of rows, both shape (n,)."""
         powers = np.vander(x, 6, increasing=True)
-        rates = np.arange(6) * np.hstack([np.zeros((n, 1)), powers[:, :-1]])
+        rates = np.arange(6) * np.hstack([np.zeros((len(x), 1)), powers[:, :-1]])
         tip, axis = self.table.tip[row], self.table.axis[row]
         return tuple(np.einsum("nk,nkc->nc", p, c) for p in (powers, rates) for c in (tip, axis))  # type: ignore
 
@@ -80,6 +84,23 @@ def tangent(scene: Scene, n: int) -> Lines:
     point, _, along, around = _surface(scene, n, True, False)
     turn = scene.rng.choice([0.0, 0.5, 1.0, 0.25], n) * np.pi * scene.rng.choice([1.0, scene.rng.random()], n)
     return point, _unit(np.cos(turn)[:, None] * along + np.sin(turn)[:, None] * around)
+
+
+def behind(scene: Scene, n: int) -> Lines:
+    """Tangent to an end pose where the rest of the row has swept, or will sweep, all around the touch."""
+    row = scene.rng.integers(len(scene.table), size=n)
+    x = scene.rng.choice([-1.0, 1.0], size=n)
+    tip, axis, rate, _ = scene.pose_at(row, x)
+    across = rate - (rate * axis).sum(1, keepdims=True) * axis
+    size = np.linalg.norm(across, axis=1, keepdims=True)
+    still = size[:, 0] <= 1e-12 * scene.size
+    u = np.where(still[:, None], scene.around(axis), -x[:, None] * across / np.where(size > 0.0, size, 1.0))
+    m = scene.meridian(n, False)
+    along, around = m[:, 2:3] * axis - m[:, 3:] * u, np.cross(axis, u)
+    kind = scene.rng.integers(4, size=(n, 1))
+    slanted = scene.rng.uniform(-1.0, 1.0, (n, 1)) * along + around
+    direction = np.where(kind == 0, along, np.where(kind == 1, slanted, around))
+    return tip + m[:, :1] * u + m[:, 1:2] * axis, _unit(direction)
 
 
 def grazing(scene: Scene, n: int) -> Lines:
@@ -134,7 +155,7 @@ def on_grid(scene: Scene, n: int) -> Lines:
 
 
 KINDS: dict[str, Callable[[Scene, int], Lines]] = {
-    "through": through, "tangent": tangent, "grazing": grazing, "generatrix": generatrix, "edges": edges,
+    "through": through, "tangent": tangent, "behind": behind, "grazing": grazing, "generatrix": generatrix, "edges": edges,
     "tips": tips, "axes": axes, "velocities": velocities, "on_grid": on_grid,
 }  # fmt: skip
 

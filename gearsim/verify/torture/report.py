@@ -39,11 +39,13 @@ class Figures:
         self.undecided += int(np.count_nonzero(tried.undecided))
         self.cells += int(tried.judgement.cells.sum())
         self.defects += found
-        names, counts = np.unique(case.ray_kind, return_counts=True)
-        sizes = {f"tool {case.tool}": len(case.rays), f"motion {case.motion}": len(case.rays)}
-        sizes |= {f"ray {name}": int(n) for name, n in zip(names, counts, strict=True)}
-        for name, n in sizes.items():
-            self.by.setdefault(name, Counter())["pairs"] += n * rows
+        kinds = {f"ray {name}": case.ray_kind == name for name in np.unique(case.ray_kind)}
+        everything = np.ones(len(case.rays), dtype=bool)
+        for name, mine in {f"tool {case.tool}": everything, f"motion {case.motion}": everything, **kinds}.items():
+            counts = self.by.setdefault(name, Counter())
+            counts["pairs"] += int(mine.sum()) * rows
+            counts["flagged"] += int(np.count_nonzero(mine & ~tried.trusted))
+            counts["undecided"] += int(np.count_nonzero(mine & tried.undecided))
         for defect in found:
             for what, name in zip(("tool", "motion", "ray"), defect.names, strict=True):
                 self.by[f"{what} {name}"][defect.kind] += 1
@@ -74,10 +76,11 @@ def print_report(figures: Figures, seconds: float) -> None:
     """A table by kind, the worst defects, one line of totals."""
     console = Console(highlight=False, width=110)
     table = Table(title="removal road against separating planes")
-    for head in ("kind", "pairs", LOST, SPANNED, END):
+    heads = ("pairs", "flagged", "undecided", LOST, SPANNED, END)
+    for head in ("kind", *heads):
         table.add_column(head, justify="left" if head == "kind" else "right")
     for name, c in sorted(figures.by.items()):
-        table.add_row(name, *(f"{c[k]:,}" for k in ("pairs", LOST, SPANNED, END)))
+        table.add_row(name, *(f"{c[k]:,}" for k in heads))
     console.print(table)
     for d in sorted(figures.defects, key=lambda d: -d.length)[:_SHOWN]:
         console.print(_line(d), markup=False)
