@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
 from time import perf_counter
 
 from gearsim.errors import InputError
@@ -12,11 +13,12 @@ from gearsim.output.summary import write_json
 from gearsim.verify.torture import motions, rays, tools
 from gearsim.verify.torture.campaign import Case, case, try_cases
 from gearsim.verify.torture.defects import defects
+from gearsim.verify.torture.judge import prepare
 from gearsim.verify.torture.report import Figures, print_report, summary
 
 TOLERANCE = 1e-9
 PAIRS = {"small": 12_000, "medium": 800_000, "large": 10_000_000}
-_RAYS_A_KIND = {"small": 4, "medium": 24, "large": 24}
+_RAYS_A_KIND = {"small": 4, "medium": 24, "large": 48}
 _CASES = 48
 
 
@@ -45,13 +47,20 @@ def torture(size: str, seed: int, progress: Callable[[int], None] = lambda n: No
     if size not in PAIRS:
         raise InputError(f"no torture of size {size!r}; there are {', '.join(PAIRS)}")
     started, figures, batch = perf_counter(), Figures(), 0
-    while figures.pairs < PAIRS[size]:
-        done = figures.pairs
-        for tried in try_cases([planned((seed, batch, i), size) for i in range(_CASES)], TOLERANCE):
-            figures.add(tried, defects(tried, TOLERANCE))
-        progress(figures.pairs - done)
-        batch += 1
+    prepare(thorough=size != "small")
+    with ThreadPoolExecutor(1) as ahead:
+        following = ahead.submit(_planned_batch, seed, batch, size)
+        while figures.pairs < PAIRS[size]:
+            cases, done, batch = following.result(), figures.pairs, batch + 1
+            following = ahead.submit(_planned_batch, seed, batch, size)
+            for tried in try_cases(cases, TOLERANCE):
+                figures.add(tried, defects(tried, TOLERANCE))
+            progress(figures.pairs - done)
     return figures, perf_counter() - started
+
+
+def _planned_batch(seed: int, batch: int, size: str) -> list[Case]:
+    return [planned((seed, batch, i), size) for i in range(_CASES)]
 
 
 def planned(seed: tuple[int, ...], size: str) -> Case:

@@ -6,6 +6,7 @@ from collections.abc import Callable, Sequence
 from functools import partial
 from typing import Any
 
+import numpy as np
 from numpy.typing import NDArray
 
 from gearsim.cutters.element import Element
@@ -14,8 +15,9 @@ from gearsim.errors import InputError
 from gearsim.motion.segments import SegmentTable
 
 DIGITS = 40
-_GRID = 400
-_STEPS = 120
+_GRID = 2000
+_LOWS = 2
+_STEPS = 40
 
 Point = Sequence[Any]
 
@@ -71,25 +73,27 @@ def distance(cutter: Profile, table: SegmentTable, row: int, origin: Point, dire
 
 def least_distance(cutter: Profile, table: SegmentTable, origin: Point, direction: Point, tau: float) -> Any:
     """Least distance [mm] of a ray's point over all rows: a grid of poses, then golden sections around its lowest."""
+    x = np.linspace(-1.0, 1.0, _GRID + 1)
+    powers = np.vander(x, 6, increasing=True)
+    point = np.asarray(origin) + tau * np.asarray(direction)
+    found = []
+    for row in range(len(table)):
+        q, axis = point - powers @ table.tip[row], powers @ table.axis[row]
+        z = (q * axis).sum(axis=1)
+        f = cutter.signed_distance(np.linalg.norm(q - z[:, None] * axis, axis=1), z)
+        around = np.concatenate([[np.inf], f, [np.inf]])
+        lows = np.flatnonzero((f <= around[:-2]) & (f <= around[2:]))
+        for k in lows[np.argsort(f[lows])[:_LOWS]]:
+            ends = x[max(k - 1, 0)], x[min(k + 1, _GRID)]
+            found.append(_golden(partial(distance, cutter, table, row, origin, direction, tau=tau), *ends))
+    return min(found)
+
+
+def _golden(f: Callable[[Any], Any], start: float, end: float) -> Any:
     mp = _mp()
-    rows = range(len(table))
-    return min(_least(mp, partial(distance, cutter, table, row, origin, direction, tau=tau)) for row in rows)
-
-
-def _least(mp: Any, f: Callable[[Any], Any]) -> Any:
-    grid = [mp.mpf(2 * k) / _GRID - 1 for k in range(_GRID + 1)]
-    values = [f(x) for x in grid]
-    lows = [k for k in range(_GRID + 1) if values[k] <= min(values[max(k - 1, 0)], values[min(k + 1, _GRID)])]
-    best = min(values)
-    for k in sorted(lows, key=lambda k: values[k])[:3]:
-        best = min(best, _golden(mp, f, grid[max(k - 1, 0)], grid[min(k + 1, _GRID)]))
-    return best
-
-
-def _golden(mp: Any, f: Callable[[Any], Any], a: Any, b: Any) -> Any:
-    g = (mp.sqrt(5) - 1) / 2
+    a, b, g = mp.mpf(start), mp.mpf(end), (mp.sqrt(5) - 1) / 2
     c, d = b - g * (b - a), a + g * (b - a)
-    fc, fd = f(c), f(d)
+    fc, fd, ends = f(c), f(d), min(f(a), f(b))
     for _ in range(_STEPS):
         if fc < fd:
             b, d, fd = d, c, fc
@@ -99,7 +103,7 @@ def _golden(mp: Any, f: Callable[[Any], Any], a: Any, b: Any) -> Any:
             a, c, fc = c, d, fd
             d = a + g * (b - a)
             fd = f(d)
-    return min(fc, fd)
+    return min(fc, fd, ends)
 
 
 def _horner(mp: Any, coefficients: NDArray, x: Any) -> Any:

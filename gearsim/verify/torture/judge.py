@@ -20,6 +20,7 @@ from gearsim.verify.torture.oracle import claims as oracle
 
 CLEAR, HIT, UNDECIDED = 0, 1, 2
 _SLICE = 512
+_QUICK = "-mllvm=-inline-threshold=25"
 _EPS = float(np.finfo(float).eps)
 _NOISE = 64.0 * _EPS
 

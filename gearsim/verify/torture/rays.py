@@ -155,8 +155,8 @@ def on_grid(scene: Scene, n: int) -> Lines:
 
 
 KINDS: dict[str, Callable[[Scene, int], Lines]] = {
-    "through": through, "tangent": tangent, "behind": behind, "grazing": grazing, "generatrix": generatrix, "edges": edges,
-    "tips": tips, "axes": axes, "velocities": velocities, "on_grid": on_grid,
+    "through": through, "tangent": tangent, "behind": behind, "grazing": grazing, "generatrix": generatrix,
+    "edges": edges, "tips": tips, "axes": axes, "velocities": velocities, "on_grid": on_grid,
 }  # fmt: skip
 
 

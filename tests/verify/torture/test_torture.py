@@ -131,6 +131,31 @@ def test_false_claims_are_found_and_named():
 
 
 @pytest.mark.parametrize("kind", tools.KINDS)
+def test_what_the_oracle_clears_stands_up_to_sampled_poses(kind):
+    """At random poses no point beside the claim lies in the tool; points of the claim come near it at some pose."""
+    rng = np.random.default_rng(2)
+    (tried,) = try_cases([case((23, len(kind)), kind, "nc", ["through", "grazing"], 12)], TOLERANCE)
+    c, found, removed = tried.case, tried.judgement, tried.removal.removed
+    x = np.append(rng.uniform(-1.0, 1.0, 398), [-1.0, 1.0])
+    powers = np.vander(x, 6, increasing=True)
+    tips, axes = (np.einsum("xk,nkc->nxc", powers, k).reshape(-1, 3) for k in (c.table.tip, c.table.axis))
+    clear = np.flatnonzero((found.lost == CLEAR) & (found.spanned == CLEAR) & tried.trusted)
+    assert len(clear) > 12
+    for ray in clear:
+        own = removed.ray == ray
+        lo, hi = removed.lo[own], removed.hi[own]
+        middle = c.rays.end[ray] / 2.0
+        tau = middle + c.cutter.reach * rng.uniform(-2.0, 2.0, 100)
+        tau = np.concatenate([tau, lo - 2e-9, hi + 2e-9, 0.5 * (lo + hi)])
+        q = c.rays.origin[ray] + tau[:, None, None] * c.rays.direction[ray] - tips
+        z = (q * axes).sum(axis=2)
+        least = c.cutter.signed_distance(np.linalg.norm(q - z[..., None] * axes, axis=2), z).min(axis=1)
+        claimed = ((tau[:, None] > lo - TOLERANCE) & (tau[:, None] < hi + TOLERANCE)).any(axis=1)
+        assert np.all(least[~claimed] > -found.noise[ray])
+        assert np.all(least[claimed] < 0.05 * c.table.speed.max() + found.noise[ray])
+
+
+@pytest.mark.parametrize("kind", tools.KINDS)
 def test_the_supporting_planes_give_the_profile_back(kind):
     rng = np.random.default_rng(7)
     for round_numbers in (False, True):

@@ -13,7 +13,7 @@ from gearsim.verify.torture.oracle.walk import chord_end, deepest, inside_at, re
 
 f64 = wp.float64
 
-# Little is inlined: a kernel that compiles in a third of the time is worth more here than one a third faster.
+# Little is inlined: judge.prepare chooses anew for long runs.
 wp.set_module_options({"enable_backward": False, "cpu_compiler_flags": "-mllvm=-inline-threshold=25"})
 
 POSES = wp.constant(9)

@@ -100,8 +100,14 @@ def place_of(path: Path, row: int, x: f64) -> Place:
 
 
 @wp.func
-def across_any(a: wp.vec3d) -> wp.vec3d:
-    """Any unit vector across a."""
+def across_of(w: wp.vec3d, r: f64, a: wp.vec3d) -> wp.vec3d:
+    """The unit vector across a that w, of length r, points along; any where w is but rounding."""
+    if r > f64(0.0):
+        u = w / r
+        u = u - wp.dot(u, a) * a
+        size = wp.length(u)
+        if size > f64(0.5):
+            return u / size
     e = wp.vec3d(f64(1.0), f64(0.0), f64(0.0))
     if wp.abs(a[0]) > f64(0.7):
         e = wp.vec3d(f64(0.0), f64(1.0), f64(0.0))
@@ -141,10 +147,7 @@ def look_at(tools: Tools, body: int, place: Place, origin: wp.vec3d, direction: 
     g.nr = nr
     g.nz = nz
     g.h = nr * r + nz * z - best
-    if r > f64(0.0):
-        g.u = w / r
-    else:
-        g.u = across_any(place.axis)
+    g.u = across_of(w, r, place.axis)
     rise = wp.dot(place.axis, direction)
     g.slope = nr * (wp.dot(g.u, direction) - rise * wp.dot(g.u, place.axis)) + nz * rise
     return g
