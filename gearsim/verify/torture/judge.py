@@ -60,6 +60,13 @@ class Judgement:
         return Judgement(*(getattr(self, name)[begin:end] for name in self.__dataclass_fields__))
 
 
+def prepare(thorough: bool) -> None:
+    """Compile the oracle: in a third of the time, or ``thorough``, a third faster, for many rays."""
+    flags = None if thorough else _QUICK
+    wp.set_module_options({"enable_backward": False, "cpu_compiler_flags": flags}, oracle)
+    wp.load_module(oracle, device="cpu")
+
+
 def judge(claims: Sequence[Claim], tolerance: float, depth: float = 0.0, noise_factor: float = 1.0) -> list[Judgement]:
     """Judge claims to ``tolerance`` [mm] along the rays.
 
