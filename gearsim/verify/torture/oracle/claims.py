@@ -16,7 +16,7 @@ f64 = wp.float64
 # Little is inlined: judge.prepare chooses anew for long runs.
 wp.set_module_options({"enable_backward": False, "cpu_compiler_flags": "-mllvm=-inline-threshold=25"})
 
-POSES = wp.constant(9)
+POSES = wp.constant(5)
 STEPS = wp.constant(200)
 MARCH = wp.constant(24)
 CELLS = wp.constant(200000)
