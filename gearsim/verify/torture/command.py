@@ -12,7 +12,7 @@ from gearsim.output.screen import ScreenProgress
 from gearsim.output.summary import write_json
 from gearsim.verify.torture import motions, rays, tools
 from gearsim.verify.torture.campaign import Case, case, try_cases
-from gearsim.verify.torture.defects import defects
+from gearsim.verify.torture.defects import defects, unsettled
 from gearsim.verify.torture.judge import prepare
 from gearsim.verify.torture.report import Figures, print_report, summary
 
@@ -54,7 +54,7 @@ def torture(size: str, seed: int, progress: Callable[[int], None] = lambda n: No
             cases, done, batch = following.result(), figures.pairs, batch + 1
             following = ahead.submit(_planned_batch, seed, batch, size)
             for tried in try_cases(cases, TOLERANCE):
-                figures.add(tried, defects(tried, TOLERANCE))
+                figures.add(tried, defects(tried, TOLERANCE), unsettled(tried, TOLERANCE))
             progress(figures.pairs - done)
     return figures, perf_counter() - started
 

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from gearsim.simulation.intervals import IntervalSet
 from gearsim.verify.torture import exact
 from gearsim.verify.torture.campaign import Tried
-from gearsim.verify.torture.judge import HIT, Claim, judge
+from gearsim.verify.torture.judge import CLEAR, HIT, Claim, judge
 
 LOST, SPANNED, END = "lost hit", "spanned gap", "wrong end"
 # What lies no deeper than this many times the noise is looked at in 40 digits before it counts.
@@ -49,6 +49,17 @@ def defects(tried: Tried, tolerance: float) -> list[Defect]:
             is_deep = HIT in (deep.lost[k], deep.spanned[k])
             found.append(Defect(kind, length, is_deep, case.seed, int(ray), names))
     return found
+
+
+def unsettled(tried: Tried, tolerance: float) -> int:
+    """Rays that the oracle cannot decide even where the tool may be off by 8 times the noise or 1e-10 mm."""
+    open_rays = np.flatnonzero(tried.undecided)
+    if not len(open_rays):
+        return 0
+    case = tried.case
+    part = Claim(case.rays.part(open_rays), case.table, case.cutter, chosen(tried.removal.removed, open_rays))
+    again = judge([part], tolerance, depth=_DEEP, noise_factor=_NEAR)[0]
+    return int(np.count_nonzero((again.lost != CLEAR) | (again.spanned != CLEAR)))
 
 
 def chosen(removed: IntervalSet, rays: NDArray) -> IntervalSet:

@@ -139,8 +139,6 @@ def rows(kind: str, rng: np.random.Generator, size: float, reach: float) -> Segm
     table = table.part(slice(first, first + int(rng.integers(1, _ROWS + 1))))
     if kind not in ("grid", "standing") or rng.random() < 0.5:
         return table
-    return replace(table, tip=_cleared(table.tip, size), axis=_cleared(table.axis, 1.0))
-
-
-def _cleared(coefficients: NDArray, unit: float) -> NDArray:
-    return unit * np.round(coefficients / unit * _DIGITS) / _DIGITS
+    whole = np.round(table.axis)
+    axis = np.where(np.abs(table.axis - whole) < 1e-12, whole, table.axis)
+    return replace(table, tip=size * np.round(table.tip / size * _DIGITS) / _DIGITS, axis=axis)

@@ -18,25 +18,30 @@ _SHOWN = 12
 
 @dataclass
 class Figures:
-    """Counts of a run. ``pairs`` are rays times rows; ``by`` counts pairs and defects by kind's name."""
+    """Counts of a run. ``pairs`` are rays times rows; ``by`` counts pairs and defects by kind's name.
+
+    ``coarse`` rays were decided only where the tool may be off by 8 times the noise or 1e-10 mm.
+    """
 
     rays: int = 0
     pairs: int = 0
     hits: int = 0
     flagged: int = 0
     undecided: int = 0
+    coarse: int = 0
     cells: int = 0
     defects: list[Defect] = field(default_factory=list)
     by: dict[str, Counter[str]] = field(default_factory=dict)
 
-    def add(self, tried: Tried, found: list[Defect]) -> None:
-        """Count one case."""
+    def add(self, tried: Tried, found: list[Defect], undecided: int) -> None:
+        """Count one case, ``undecided`` of whose rays remain so when looked at more coarsely."""
         case, rows = tried.case, len(tried.case.table)
         self.rays += len(case.rays)
         self.pairs += len(case.rays) * rows
         self.hits += int(np.count_nonzero(np.diff(tried.removal.removed.first)))
         self.flagged += int(np.count_nonzero(~tried.trusted))
-        self.undecided += int(np.count_nonzero(tried.undecided))
+        self.undecided += undecided
+        self.coarse += int(np.count_nonzero(tried.undecided)) - undecided
         self.cells += int(tried.judgement.cells.sum())
         self.defects += found
         kinds = {f"ray {name}": case.ray_kind == name for name in np.unique(case.ray_kind)}
@@ -45,7 +50,6 @@ class Figures:
             counts = self.by.setdefault(name, Counter())
             counts["pairs"] += int(mine.sum()) * rows
             counts["flagged"] += int(np.count_nonzero(mine & ~tried.trusted))
-            counts["undecided"] += int(np.count_nonzero(mine & tried.undecided))
         for defect in found:
             for what, name in zip(("tool", "motion", "ray"), defect.names, strict=True):
                 self.by[f"{what} {name}"][defect.kind] += 1
@@ -63,7 +67,7 @@ class Figures:
 def summary(figures: Figures, size: str, seed: int, seconds: float) -> dict[str, Any]:
     """Everything the JSON file holds."""
     kinds = {kind.replace(" ", "_"): figures.count(kind) for kind in (LOST, SPANNED, END)}
-    counts = {k: getattr(figures, k) for k in ("rays", "pairs", "hits", "flagged", "undecided", "cells")}
+    counts = {k: getattr(figures, k) for k in ("rays", "pairs", "hits", "flagged", "coarse", "undecided", "cells")}
     worst = sorted(figures.defects, key=lambda d: -d.length)
     return {
         "schema_version": 1, "size": size, "seed": seed, "time_s": round(seconds, 1), **counts, **kinds,
@@ -76,7 +80,7 @@ def print_report(figures: Figures, seconds: float) -> None:
     """A table by kind, the worst defects, one line of totals."""
     console = Console(highlight=False, width=110)
     table = Table(title="removal road against separating planes")
-    heads = ("pairs", "flagged", "undecided", LOST, SPANNED, END)
+    heads = ("pairs", "flagged", LOST, SPANNED, END)
     for head in ("kind", *heads):
         table.add_column(head, justify="left" if head == "kind" else "right")
     for name, c in sorted(figures.by.items()):
@@ -89,7 +93,7 @@ def print_report(figures: Figures, seconds: float) -> None:
     )
     console.print(
         f"{figures.pairs:,} ray-row pairs, {figures.hits:,} of {figures.rays:,} rays hit, {figures.flagged:,} flagged, "
-        f"{figures.undecided} undecided: {shares}; {seconds:.0f} s",
+        f"{figures.coarse} decided coarsely, {figures.undecided} undecided: {shares}; {seconds:.0f} s",
         markup=False,
     )
 
