@@ -269,7 +269,8 @@ def judge_cell(
         else:
             share = -a.slope / (b.slope - a.slope)
             floor = (f64(1.0) - share) * (a.f - a.slope * a.tau) + share * (b.f - b.slope * b.tau)
-            tau = wp.clamp(a.tau - (a.f - floor) / a.slope, a.tau, b.tau)
+            tau = b.tau - (b.f - a.f - a.slope * (b.tau - a.tau)) / (b.slope - a.slope)
+            tau = wp.clamp(tau, a.tau, b.tau)
             if bound_by_two(a, b, share, tau, place, origin, direction, lo, hi, half, rest) >= level - slack:
                 out.state = CLEAR
                 return out

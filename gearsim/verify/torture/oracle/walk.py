@@ -233,7 +233,7 @@ def inside_at(
         width = b.tau - a.tau
         if floor > level or width <= f64(0.0):
             return here
-        tau = a.tau - (a.f - floor) / a.slope
+        tau = b.tau - (b.f - a.f - a.slope * width) / (b.slope - a.slope)
         if cut % 3 == 2:
             tau = a.tau + share * width
         if cut % 5 == 4:
