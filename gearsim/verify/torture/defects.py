@@ -51,15 +51,15 @@ def defects(tried: Tried, tolerance: float) -> list[Defect]:
     return found
 
 
-def unsettled(tried: Tried, tolerance: float) -> int:
+def unsettled(tried: Tried, tolerance: float) -> NDArray[np.integer]:
     """Rays that the oracle cannot decide even where the tool may be off by 8 times the noise or 1e-10 mm."""
     open_rays = np.flatnonzero(tried.undecided)
     if not len(open_rays):
-        return 0
+        return open_rays
     case = tried.case
     part = Claim(case.rays.part(open_rays), case.table, case.cutter, chosen(tried.removal.removed, open_rays))
     again = judge([part], tolerance, depth=_DEEP, noise_factor=_NEAR)[0]
-    return int(np.count_nonzero((again.lost != CLEAR) | (again.spanned != CLEAR)))
+    return open_rays[(again.lost != CLEAR) | (again.spanned != CLEAR)]
 
 
 def chosen(removed: IntervalSet, rays: NDArray) -> IntervalSet:

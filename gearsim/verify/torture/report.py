@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 from rich.console import Console
 from rich.table import Table
 
@@ -33,15 +34,15 @@ class Figures:
     defects: list[Defect] = field(default_factory=list)
     by: dict[str, Counter[str]] = field(default_factory=dict)
 
-    def add(self, tried: Tried, found: list[Defect], undecided: int) -> None:
-        """Count one case, ``undecided`` of whose rays remain so when looked at more coarsely."""
+    def add(self, tried: Tried, found: list[Defect], undecided: NDArray[np.integer]) -> None:
+        """Count one case, whose rays ``undecided`` remain so when looked at more coarsely."""
         case, rows = tried.case, len(tried.case.table)
         self.rays += len(case.rays)
         self.pairs += len(case.rays) * rows
         self.hits += int(np.count_nonzero(np.diff(tried.removal.removed.first)))
         self.flagged += int(np.count_nonzero(~tried.trusted))
-        self.undecided += undecided
-        self.coarse += int(np.count_nonzero(tried.undecided)) - undecided
+        self.undecided += len(undecided)
+        self.coarse += int(np.count_nonzero(tried.undecided)) - len(undecided)
         self.cells += int(tried.judgement.cells.sum())
         self.defects += found
         kinds = {f"ray {name}": case.ray_kind == name for name in np.unique(case.ray_kind)}
@@ -49,6 +50,7 @@ class Figures:
         for name, mine in {f"tool {case.tool}": everything, f"motion {case.motion}": everything, **kinds}.items():
             counts = self.by.setdefault(name, Counter())
             counts["pairs"] += int(mine.sum()) * rows
+            counts["undecided"] += int(np.count_nonzero(mine[undecided]))
             counts["flagged"] += int(np.count_nonzero(mine & ~tried.trusted))
         for defect in found:
             for what, name in zip(("tool", "motion", "ray"), defect.names, strict=True):
@@ -80,7 +82,7 @@ def print_report(figures: Figures, seconds: float) -> None:
     """A table by kind, the worst defects, one line of totals."""
     console = Console(highlight=False, width=110)
     table = Table(title="removal road against separating planes")
-    heads = ("pairs", "flagged", LOST, SPANNED, END)
+    heads = ("pairs", "flagged", "undecided", LOST, SPANNED, END)
     for head in ("kind", *heads):
         table.add_column(head, justify="left" if head == "kind" else "right")
     for name, c in sorted(figures.by.items()):
