@@ -16,7 +16,7 @@ from gearsim.geometry.rays import RayBundle
 from gearsim.motion.segments import compile_motion
 from gearsim.motion.sources import CLMotion
 from gearsim.simulation.intervals import IntervalSet
-from gearsim.verify.torture import exact, tools
+from gearsim.verify.torture import exact, motions, rays, tools
 from gearsim.verify.torture.campaign import Tried, case, try_cases
 from gearsim.verify.torture.command import PAIRS, TOLERANCE, planned, torture
 from gearsim.verify.torture.defects import END, LOST, SPANNED, defects
@@ -46,6 +46,17 @@ def claim(cutter, table, bundle, *intervals):
 def verdicts(cutter, table, bundle, *intervals):
     (found,) = judge([claim(cutter, table, bundle, *intervals)], TOLERANCE)
     return int(found.lost[0]), int(found.spanned[0])
+
+
+def test_small_torture_finds_nothing_wrong():
+    figures, _ = torture("small", 1)
+    assert not figures.defects
+    assert figures.undecided <= 5e-4 * figures.rays
+    assert figures.pairs >= PAIRS["small"]
+    assert figures.hits > 0.5 * figures.rays
+    assert figures.flagged < 0.01 * figures.rays
+    for prefix, kinds in (("tool", tools.KINDS), ("motion", motions.KINDS), ("ray", rays.KINDS)):
+        assert {f"{prefix} {kind}" for kind in kinds} <= set(figures.by)
 
 
 def test_every_cutter_of_the_catalogue_is_tried_in_every_size():
