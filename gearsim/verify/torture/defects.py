@@ -20,8 +20,8 @@ _DEEP = 1e-10
 
 @dataclass(frozen=True)
 class Defect:
-    """One ray: ``kind``, the length [mm] along the ray that is wrong, and whether the tool is off by more than
-    1e-10 mm there (``deep``); seed, case and ray say which it is."""
+    """One ray: ``kind``, the length [mm] along the ray that is wrong, and whether the tool is off there by more than
+    1e-10 mm and 8 times the noise (``deep``); seed, case and ray say which it is."""
 
     kind: str
     length: float
@@ -39,7 +39,7 @@ def defects(tried: Tried, tolerance: float) -> list[Defect]:
     case = tried.case
     part = Claim(case.rays.part(wrong), case.table, case.cutter, chosen(tried.removal.removed, wrong))
     near = judge([part], tolerance, noise_factor=_NEAR)[0]
-    deep = judge([part], tolerance, depth=_DEEP)[0]
+    deep = judge([part], tolerance, depth=_DEEP, noise_factor=_NEAR)[0]
     found = []
     for k, ray in enumerate(wrong):
         sure = HIT in (near.lost[k], near.spanned[k])

@@ -57,7 +57,7 @@ class Figures:
                 self.by[f"{what} {name}"][defect.kind] += 1
 
     def count(self, kind: str, deep: bool | None = None) -> int:
-        """Defects of a kind; those whose tool is off by more than 1e-10 mm, those that are not, or all."""
+        """Defects of a kind; the deep ones, those that are not, or all."""
         return sum(d.kind == kind and deep in (None, d.deep) for d in self.defects)
 
     @property
@@ -90,9 +90,7 @@ def print_report(figures: Figures, seconds: float) -> None:
     console.print(table)
     for d in sorted(figures.defects, key=lambda d: -d.length)[:_SHOWN]:
         console.print(_line(d), markup=False)
-    shares = ", ".join(
-        f"{figures.count(k)} {k} ({figures.count(k, True)} deeper than 1e-10 mm)" for k in (LOST, SPANNED, END)
-    )
+    shares = ", ".join(f"{figures.count(k)} {k} ({figures.count(k, True)} deep)" for k in (LOST, SPANNED, END))
     console.print(
         f"{figures.pairs:,} ray-row pairs, {figures.hits:,} of {figures.rays:,} rays hit, {figures.flagged:,} flagged, "
         f"{figures.coarse} decided coarsely, {figures.undecided} undecided: {shares}; {seconds:.0f} s",
