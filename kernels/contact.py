@@ -2,9 +2,9 @@
 
 import warp as wp
 
-from gearsim.kernels.pose import Motion, Pose, pose_at
+from gearsim.kernels.pose import Motion, Pose, perpendicular, pose_at
 from gearsim.kernels.profile import Cutter, Hit, cutter_interval, face_normal
-from gearsim.kernels.tool_ray import FAR, TINY, ToolRay, greater, tool_ray
+from gearsim.kernels.tool_ray import FAR, ToolRay, greater, tool_ray
 
 f64 = wp.float64
 
@@ -60,7 +60,14 @@ def end_of(cutter: Cutter, pose: Pose, ray: ToolRay, hit: Hit, x: f64, side: int
             face = hit.hi_face
         z = ray.z0 + tau * ray.dz
         w = ray.w0 + tau * ray.w1
-        r = greater(wp.length(w), TINY)
+        r = wp.length(w)
+        if r < f64(100.0) * cutter.skin:
+            # near an apex w is noise; there any plane that leans as the flank does keeps the tool on one side
+            w = w - wp.dot(w, pose.axis) * pose.axis
+            r = wp.length(w)
+            if r < cutter.skin:
+                r = cutter.skin
+                w = r * perpendicular(pose.axis)
         c = with_rates(pose, ray, x, tau + ray.shift, z, w, r, face_normal(cutter, face, r, z))
         c.far = hit.hi + ray.shift
         if side == 1:

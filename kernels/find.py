@@ -8,8 +8,8 @@ sees it, so in between the clearance is above what lies evenly between that of t
 C (x - x1) (x2 - x) / 2. With the rates v of the tip and w of the axis, and the cutter's reach R, C is
     |n . tip''| + 2 |n' . tip'| + R (w² + |axis''| + 2 w |n'|)            where n changes evenly in space, or
     |tip''| + 2 w v + |p - tip| (w² + |axis''|) + 2 |n'| (v + w |p - tip|)  where it does as the tool sees it,
-whichever is less. A step of which that is not certain is halved, and the next one is twice as long. It holds at kinks
-(edges, flat faces) too, and the clearance may have any number of minima, touch zero, or stay there.
+whichever proves more. A step of which that is not certain is halved, and the next one is twice as long. It holds at
+kinks (edges, flat faces) too, and the clearance may have any number of minima, touch zero, or stay there.
 """
 
 import warp as wp
@@ -133,9 +133,9 @@ def least_of(first: f64, last: f64, sag: f64) -> f64:
 
 
 @wp.func
-def sag_of(in_space: f64, seen: f64, arm: f64, turning: f64, width: f64) -> f64:
-    """What to take off in the middle of a step, from the bounds of C in space and as the tool sees it."""
-    return f64(0.125) * width * width * lesser(in_space, seen + arm * turning)
+def least_of_both(a: Look, b: Look, first_sag: f64, last_sag: f64) -> f64:
+    """Lower bound over a step for both ends of the stretch, which one plane must keep the cutter from."""
+    return lesser(least_of(a.first, b.first, first_sag), least_of(a.last, b.last, last_sag))
 
 
 @wp.func
@@ -165,9 +165,11 @@ def least_clearance(cutter: Cutter, motion: Motion, row: int, a: Look, b: Look) 
         in_space += f64(2 * k) * wp.abs(wp.dot(n_rate, tip))
     in_space += reach * (turning + f64(2.0) * spin * wp.length(n_rate))
     turning += f64(2.0) * spin * seen_rate
-    first = sag_of(in_space, seen, lesser(a.first_arm, b.first_arm) + v * width, turning, width)
-    last = sag_of(in_space, seen, lesser(a.last_arm, b.last_arm) + v * width, turning, width)
-    return lesser(least_of(a.first, b.first, first), least_of(a.last, b.last, last))
+    part = f64(0.125) * width * width
+    first_arm = lesser(a.first_arm, b.first_arm) + v * width
+    last_arm = lesser(a.last_arm, b.last_arm) + v * width
+    fixed = least_of_both(a, b, part * in_space, part * in_space)
+    return greater(fixed, least_of_both(a, b, part * (seen + first_arm * turning), part * (seen + last_arm * turning)))
 
 
 @wp.func

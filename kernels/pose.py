@@ -53,3 +53,12 @@ def place_at(motion: Motion, row: int, x: f64) -> Pose:
         pose.tip = pose.tip * x + motion.tip[row, 4 - i]
         pose.axis = pose.axis * x + motion.axis[row, 4 - i]
     return pose
+
+
+@wp.func
+def perpendicular(v: wp.vec3d) -> wp.vec3d:
+    """Any unit vector perpendicular to a unit vector."""
+    other = wp.vec3d(f64(1.0), f64(0.0), f64(0.0))
+    if wp.abs(v[0]) > f64(0.6):
+        other = wp.vec3d(f64(0.0), f64(1.0), f64(0.0))
+    return wp.normalize(wp.cross(v, other))

@@ -6,7 +6,7 @@ the distance of p to the cutter.
 
 import warp as wp
 
-from gearsim.kernels.pose import Pose
+from gearsim.kernels.pose import Pose, perpendicular
 from gearsim.kernels.profile import LINE, Cutter
 from gearsim.kernels.tool_ray import FAR, TINY, greater, lesser
 
@@ -110,10 +110,7 @@ def apart(cutter: Cutter, pose: Pose, origin: wp.vec3d, direction: wp.vec3d) -> 
     upright = pose.axis - rise * direction
     lean = wp.length(upright)
     if lean < TINY:
-        other = wp.vec3d(f64(1.0), f64(0.0), f64(0.0))
-        if wp.abs(direction[0]) > f64(0.6):
-            other = wp.vec3d(f64(0.0), f64(1.0), f64(0.0))
-        upright = wp.cross(direction, other)
+        upright = perpendicular(direction)
     upright = wp.normalize(upright)
     upright = wp.normalize(upright - wp.dot(upright, direction) * direction)
     sideways = wp.cross(direction, upright)
