@@ -22,7 +22,7 @@ from gearsim.kernels.tool_ray import FAR, TINY, greater, lesser, tool_ray
 
 f64 = wp.float64
 
-FIND_LOOKS = wp.constant(300)
+FIND_LOOKS = wp.constant(10000)
 NARROWEST = wp.constant(f64(1.0e-14))
 NONE = wp.constant(0)
 HIT = wp.constant(1)
