@@ -8,7 +8,7 @@ interval, and the part in the hull of those.
 
 import warp as wp
 
-from gearsim.kernels.tool_ray import FAR, TINY, ToolRay, arc_interval, cone_interval, greater, lesser
+from gearsim.kernels.tool_ray import FAR, NOTHING, ToolRay, arc_interval, cone_interval, greater, lesser
 
 f64 = wp.float64
 
@@ -91,7 +91,7 @@ def cutter_interval(cutter: Cutter, ray: ToolRay) -> Hit:
             z1 -= skin
         lo = -FAR
         hi = FAR
-        if wp.abs(ray.dz) > TINY:
+        if wp.abs(ray.dz) > NOTHING:
             ta = (z0 - ray.z0) / ray.dz
             tb = (z1 - ray.z0) / ray.dz
             lo = lesser(ta, tb)

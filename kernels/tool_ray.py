@@ -6,6 +6,8 @@ f64 = wp.float64
 
 FAR = wp.constant(f64(1.0e30))
 TINY = wp.constant(f64(1.0e-14))
+# what is less than this divides to beyond FAR; between it and TINY a rate still counts over a long tool
+NOTHING = wp.constant(f64(1.0e-60))
 NEWTON_STEPS = wp.constant(60)
 
 
@@ -64,8 +66,8 @@ def line_interval(ray: ToolRay, radius: f64, slope: f64, z_base: f64, lo: f64, h
     a = ray.square - edge_rate * edge_rate
     b = ray.half - edge * edge_rate
     c = ray.base - edge * edge
-    if wp.abs(a) < TINY:
-        a = TINY
+    if wp.abs(a) < NOTHING:
+        a = NOTHING
     disc = b * b - a * c
     if disc <= f64(0.0):
         if a > f64(0.0):

@@ -128,6 +128,15 @@ def test_a_needle_turning_about_its_tip_cuts_what_it_swings_through(device):
     assert np.allclose(found.hi, 1.0 + last, atol=1e-8)
 
 
+def test_a_ray_along_a_long_needle_enters_it_where_it_comes_in_from_the_side(device):
+    """Its ends lie on the discs of the poses that bring the ray into the needle's side and that end the move."""
+    tool = flat(10.0, 17250.0)
+    source = straight([0.0, 0.0, 0.0], [8.0, 0.0, -6.0])
+    found = removed([6.5, 0.0, -100.0], UP, source, tool, 20000.0, device)
+    assert np.allclose(found.lo, [100.0 - 6.0], rtol=0.0, atol=1e-9)
+    assert np.allclose(found.hi, [100.0 + 17250.0 - 0.75 * 1.5], rtol=0.0, atol=1e-9)
+
+
 def test_rays_through_an_apex_along_the_axis_and_in_the_bottom_plane(device):
     """A pointed cone standing on the grid: touched at its tip, cut from there on, missed in its bottom plane."""
     tool = grinding_cone(40.0, radians(45.0), 20.0)

@@ -13,7 +13,7 @@ from gearsim.cli import main
 from gearsim.cutters.catalogue import CUTTERS, ball, bull, face_mill_head, flat, t_slot
 from gearsim.errors import InputError
 from gearsim.geometry.rays import RayBundle
-from gearsim.motion.segments import compile_motion
+from gearsim.motion.segments import compile_motion, join
 from gearsim.motion.sources import CLMotion
 from gearsim.simulation.intervals import IntervalSet
 from gearsim.verify.torture import exact, motions, rays, tools
@@ -115,6 +115,14 @@ def test_a_gap_between_neck_and_disc_is_no_cut():
     assert verdicts(cutter, table, ray, neck) == (HIT, CLEAR)
     assert verdicts(cutter, table, ray, disc) == (HIT, CLEAR)
     assert verdicts(cutter, table, ray, (0.0, 2.0), (2.0 + 4e-9, neck[1]), disc) == (HIT, CLEAR)
+
+
+@pytest.mark.parametrize(("gap", "verdict"), [(0.9e-9, CLEAR), (1.2e-9, HIT), (2.5e-9, HIT)])
+def test_a_gap_may_be_closed_if_it_is_no_wider_than_the_tolerance(gap, verdict):
+    cutter, y = flat(4.0, 20.0), 4.0 + gap
+    table = join([line(cutter, at, at) for at in ([0, 0, 0], [0, y, 0])])
+    assert verdicts(cutter, table, along_y(0.0, 10.0), (28.0, 32.0 + y)) == (CLEAR, verdict)
+    assert verdicts(cutter, table, along_y(0.0, 10.0), (28.0, 32.0), (28.0 + y, 32.0 + y)) == (CLEAR, CLEAR)
 
 
 def test_a_ring_has_a_hole():

@@ -2,7 +2,7 @@
 
 Nothing may be lost: no pose of the tool, made smaller by the noise, enters the ray outside the claimed intervals,
 widened by the tolerance. Nothing may be spanned: every point of the claimed intervals, narrowed by the tolerance,
-lies in the tool at some pose, the tool made larger by the noise.
+lies in the tool at some pose, the tool made larger by the noise, or in a gap no wider than the tolerance.
 """
 
 import warp as wp
@@ -265,7 +265,7 @@ def find_spanned(
                     for i in range(slots):
                         if chords[ray, i][0] <= chords[ray, i][1] and chords[ray, i][0] > c:
                             found.spanned_to[ray] = wp.min(found.spanned_to[ray], chords[ray, i][0])
-            c = wp.max(c, on + f64(0.5) * tolerance)
+            c = wp.max(c, on + tolerance)
             if steps > STEPS or cells > CELLS:
                 if found.spanned[ray] != HIT:
                     found.spanned[ray] = UNDECIDED
