@@ -2,7 +2,7 @@
 
 import warp as wp
 
-from gearsim.kernels.pose import Motion, Pose, perpendicular, pose_at
+from gearsim.kernels.pose import Motion, Pose, perpendicular, place_at, with_derivatives
 from gearsim.kernels.profile import Cutter, Hit, cutter_interval, face_normal
 from gearsim.kernels.tool_ray import FAR, ToolRay, greater, tool_ray
 
@@ -83,17 +83,22 @@ def end_at(
     cutter: Cutter, motion: Motion, row: int, origin: wp.vec3d, direction: wp.vec3d, side: int, x: f64
 ) -> Contact:  # fmt: skip
     """One end of the ray's chord through the cutter at parameter x of a row."""
-    pose = pose_at(motion, row, x)
+    pose = place_at(motion, row, x)
     ray = tool_ray(pose.tip, pose.axis, cutter.middle, origin, direction)
-    return end_of(cutter, pose, ray, cutter_interval(cutter, ray), x, side)
+    hit = cutter_interval(cutter, ray)
+    if hit.found == 1:
+        pose = with_derivatives(pose, motion, row, x)
+    return end_of(cutter, pose, ray, hit, x, side)
 
 
 @wp.func
 def chord_at(cutter: Cutter, motion: Motion, row: int, origin: wp.vec3d, direction: wp.vec3d, x: f64) -> Chord:
     """The ray's chord through the cutter at parameter x of a row."""
-    pose = pose_at(motion, row, x)
+    pose = place_at(motion, row, x)
     ray = tool_ray(pose.tip, pose.axis, cutter.middle, origin, direction)
     hit = cutter_interval(cutter, ray)
+    if hit.found == 1:
+        pose = with_derivatives(pose, motion, row, x)
     chord = Chord()
     chord.entry = end_of(cutter, pose, ray, hit, x, 0)
     chord.exit = end_of(cutter, pose, ray, hit, x, 1)

@@ -10,7 +10,7 @@ f64 = wp.float64
 
 @wp.func
 def nearer(best: wp.vec3d, r: f64, z: f64, at_r: f64, at_z: f64) -> wp.vec3d:
-    """The nearer of a place known as ``surface_distance`` gives it and an edge at (at_r, at_z)."""
+    """The nearer of an edge known as ``surface_distance`` gives it and one at (at_r, at_z)."""
     out = r - at_r
     up = z - at_z
     d = wp.sqrt(out * out + up * up)
@@ -61,9 +61,10 @@ def surface_distance(cutter: Cutter, r: f64, z: f64) -> wp.vec3d:
     """Distance of a point to the part's surface, and the unit normal (nr, nz) that the surface has there.
 
     On an edge the normal is that towards the point, which must then be outside. Faces give theirs, so that a
-    point that all but touches has one without noise.
+    point that all but touches has one without noise: an edge must be nearer than they are by more than rounding.
     """
     best = wp.vec3d(FAR, f64(0.0), f64(0.0))
+    edge = wp.vec3d(FAR, f64(0.0), f64(0.0))
     for k in range(cutter.first, cutter.end):
         z0 = cutter.slabs[k, 0]
         z1 = cutter.slabs[k, 1]
@@ -72,10 +73,12 @@ def surface_distance(cutter: Cutter, r: f64, z: f64) -> wp.vec3d:
         face = face_nearest(cutter, k, r, z)
         if face[0] < best[0]:
             best = face
-        best = nearer(best, r, z, r0, z0)
-        best = nearer(best, r, z, r1, z1)
+        edge = nearer(edge, r, z, r0, z0)
+        edge = nearer(edge, r, z, r1, z1)
         if k == cutter.first and r < r0 and wp.abs(z - z0) < best[0]:
             best = wp.vec3d(wp.abs(z - z0), f64(0.0), f64(-1.0))
         if k == cutter.end - 1 and r < r1 and wp.abs(z - z1) < best[0]:
             best = wp.vec3d(wp.abs(z - z1), f64(0.0), f64(1.0))
+    if edge[0] < best[0] - TINY * cutter.size:
+        return edge
     return best

@@ -8,17 +8,18 @@ sees it, so in between the clearance is above what lies evenly between that of t
 C (x - x1) (x2 - x) / 2. With the rates v of the tip and w of the axis, and the cutter's reach R, C is
     |n . tip''| + 2 |n' . tip'| + R (w² + |axis''| + 2 w |n'|)            where n changes evenly in space, or
     |tip''| + 2 w v + |p - tip| (w² + |axis''|) + 2 |n'| (v + w |p - tip|)  where it does as the tool sees it,
-whichever proves more. A step of which that is not certain is halved, and the next one is twice as long. It holds at
+whichever proves more; where the apex of a pointed cutter stays nearest to the plane, R is its distance from the tip.
+A step of which that is not certain is halved, and the next one is twice as long. It holds at
 kinks (edges, flat faces) too, and the clearance may have any number of minima, touch zero, or stay there.
 """
 
 import warp as wp
 
-from gearsim.kernels.distance import surface_distance
-from gearsim.kernels.pose import Motion, Pose, pose_at
-from gearsim.kernels.profile import Cutter, cutter_interval
-from gearsim.kernels.support import apart, clearance, support_point
-from gearsim.kernels.tool_ray import FAR, TINY, greater, lesser, tool_ray
+from gearsim.kernels.look import Look, glance_at, look_at
+from gearsim.kernels.pose import Motion, place_at
+from gearsim.kernels.profile import LINE, Cutter
+from gearsim.kernels.support import from_axis
+from gearsim.kernels.tool_ray import greater, lesser
 
 f64 = wp.float64
 
@@ -28,6 +29,10 @@ NONE = wp.constant(0)
 HIT = wp.constant(1)
 LOST = wp.constant(2)
 
+FIRST_GUESS = wp.constant(1)
+LAST_GUESS = wp.constant(2)
+SAME_PLANE = wp.constant(3)
+
 
 @wp.struct
 class Find:
@@ -35,92 +40,6 @@ class Find:
 
     outcome: wp.int32
     x: f64
-
-
-@wp.struct
-class Look:
-    """What one pose shows: a hit, or the normal n of a plane, how far that keeps the cutter from both ends of the
-    stretch, and how far from its tip these are [mm].
-    """
-
-    hit: wp.int32
-    x: f64
-    axis: wp.vec3d
-    n: wp.vec3d
-    first: f64
-    last: f64
-    first_arm: f64
-    last_arm: f64
-
-
-@wp.func
-def normal_towards(cutter: Cutter, pose: Pose, point: wp.vec3d) -> wp.vec3d:
-    """Unit normal of the cutter's surface where it is nearest to a point outside it."""
-    q = point - pose.tip
-    z = wp.dot(q, pose.axis)
-    w = q - z * pose.axis
-    r = wp.length(w)
-    d = surface_distance(cutter, r, z)
-    if r < TINY:
-        return pose.axis * wp.where(d[2] < f64(0.0), f64(-1.0), f64(1.0))
-    out = w / r
-    out = wp.normalize(out - (wp.dot(out, pose.axis) / wp.dot(pose.axis, pose.axis)) * pose.axis)
-    return wp.normalize(d[1] * out + d[2] * pose.axis)
-
-
-@wp.func
-def nearest_along(cutter: Cutter, pose: Pose, n: wp.vec3d, origin: wp.vec3d, direction: wp.vec3d) -> f64:
-    """Where along a ray the cutter's farthest point in direction n is."""
-    along = wp.dot(n, pose.axis)
-    across = n - along * pose.axis
-    size = wp.length(across)
-    p = support_point(cutter, size, along)
-    q = pose.tip + p[1] * pose.axis - origin
-    if size > TINY:
-        q = q + (p[0] / size) * across
-    return wp.dot(q, direction)
-
-
-@wp.func
-def look_at(
-    cutter: Cutter, motion: Motion, row: int, origin: wp.vec3d, direction: wp.vec3d, stretch: wp.vec2d, x: f64
-) -> Look:  # fmt: skip
-    """See Look."""
-    pose = pose_at(motion, row, x)
-    ray = tool_ray(pose.tip, pose.axis, cutter.middle, origin, direction)
-    chord = cutter_interval(cutter, ray)
-    look = Look()
-    look.x = x
-    look.axis = pose.axis
-    look.first_arm = wp.length(origin + stretch[0] * direction - pose.tip)
-    look.last_arm = wp.length(origin + stretch[1] * direction - pose.tip)
-    if chord.found == 1 and chord.lo + ray.shift <= stretch[1] and chord.hi + ray.shift >= stretch[0]:
-        look.hit = 1
-        return look
-    look.first = -FAR
-    look = with_plane(cutter, pose, origin, direction, stretch, look, apart(cutter, pose, origin, direction))
-    nearest = nearest_along(cutter, pose, look.n, origin, direction)
-    if chord.found == 1:
-        nearest = chord.lo + ray.shift
-    end = wp.clamp(nearest, stretch[0], stretch[1])
-    if end == nearest:
-        return look
-    n = normal_towards(cutter, pose, origin + end * direction)
-    return with_plane(cutter, pose, origin, direction, stretch, look, n)
-
-
-@wp.func
-def with_plane(
-    cutter: Cutter, pose: Pose, origin: wp.vec3d, direction: wp.vec3d, stretch: wp.vec2d, look: Look, n: wp.vec3d
-) -> Look:  # fmt: skip
-    """The look, or the same with another plane if that keeps the cutter farther away."""
-    first = clearance(cutter, pose, origin + stretch[0] * direction, n)
-    last = first + (stretch[1] - stretch[0]) * wp.dot(n, direction)
-    if lesser(first, last) > lesser(look.first, look.last):
-        look.n = n
-        look.first = first
-        look.last = last
-    return look
 
 
 @wp.func
@@ -145,6 +64,17 @@ def turned(v: wp.vec3d, a: wp.vec3d, b: wp.vec3d) -> wp.vec3d:
 
 
 @wp.func
+def at_apex(cutter: Cutter, look: Look, turn: f64) -> bool:
+    """Whether a pointed cutter's apex stays the point nearest to a look's plane while the axis turns by ``turn``."""
+    slope = cutter.slabs[cutter.first, 3]
+    if cutter.slabs[cutter.first, 5] != LINE or cutter.slabs[cutter.first, 2] > f64(0.0):
+        return False
+    along = wp.dot(look.n, look.axis)
+    across = wp.length(look.n - along * look.axis)
+    return (across + turn) * slope + along + turn <= f64(0.0)
+
+
+@wp.func
 def least_clearance(cutter: Cutter, motion: Motion, row: int, a: Look, b: Look) -> f64:
     """Certain lower bound of the cutter's clearance from a stretch between two poses; see above."""
     width = b.x - a.x
@@ -163,7 +93,10 @@ def least_clearance(cutter: Cutter, motion: Motion, row: int, a: Look, b: Look) 
         seen += bend * wp.length(tip)
         in_space += bend * greater(wp.abs(wp.dot(a.n, tip)), wp.abs(wp.dot(b.n, tip)))
         in_space += f64(2 * k) * wp.abs(wp.dot(n_rate, tip))
-    in_space += reach * (turning + f64(2.0) * spin * wp.length(n_rate))
+    nearest = reach
+    if at_apex(cutter, a, spin * width) and at_apex(cutter, b, spin * width):
+        nearest = wp.abs(cutter.slabs[cutter.first, 0])
+    in_space += nearest * (turning + f64(2.0) * spin * wp.length(n_rate))
     turning += f64(2.0) * spin * seen_rate
     part = f64(0.125) * width * width
     first_arm = lesser(a.first_arm, b.first_arm) + v * width
@@ -175,26 +108,36 @@ def least_clearance(cutter: Cutter, motion: Motion, row: int, a: Look, b: Look) 
 @wp.func
 def find_pose(
     cutter: Cutter, motion: Motion, row: int, origin: wp.vec3d, direction: wp.vec3d,
-    from_x: f64, to_x: f64, stretch: wp.vec2d,
+    from_x: f64, to_x: f64, stretch: wp.vec2d, misses: int,
 ) -> Find:  # fmt: skip
     """A pose in [from_x, to_x] at which the cutter meets a stretch of a ray, or the certainty that there is none.
 
-    What is passed over as a miss is cut no deeper than a few times the rounding of the coordinates.
+    ``misses`` 1: it is known that the ray does at both ends. What is passed over as a miss is cut no deeper than a
+    few times the rounding of the coordinates. The first step is tried with the plane of its one end alone.
     """
     find = Find()
     here = Look()
     x = from_x
     looks = int(0)
+    n = from_axis(cutter, place_at(motion, row, from_x), origin, direction)
+    glance = FIRST_GUESS
     while looks < FIND_LOOKS:
-        ahead = look_at(cutter, motion, row, origin, direction, stretch, x)
-        looks += 1
+        ahead = Look()
+        if glance != NONE:
+            ahead = glance_at(cutter, motion, row, origin, direction, stretch, x, n)
+        else:
+            known = wp.where(looks < 2, misses, 0)
+            ahead = look_at(cutter, motion, row, origin, direction, stretch, x, known)
+            looks += 1
         if ahead.hit == 1:
             find.outcome = HIT
             find.x = x
             return find
-        if looks == 1:
+        if glance == FIRST_GUESS or (looks == 1 and glance == NONE):
             here = ahead
+            n = ahead.n
             x = to_x
+            glance = wp.where(glance == FIRST_GUESS, LAST_GUESS, SAME_PLANE)
             continue
         width = ahead.x - here.x
         if least_clearance(cutter, motion, row, here, ahead) >= f64(-2.0) * cutter.skin:
@@ -202,9 +145,12 @@ def find_pose(
                 return find
             here = ahead
             x = wp.min(to_x, ahead.x + f64(2.0) * width)
-        else:
+        elif glance == LAST_GUESS:
+            x = from_x
+        elif glance == NONE:
             x = f64(0.5) * (here.x + ahead.x)
             if width < NARROWEST:
                 break
+        glance = NONE
     find.outcome = LOST
     return find

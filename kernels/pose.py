@@ -56,6 +56,20 @@ def place_at(motion: Motion, row: int, x: f64) -> Pose:
 
 
 @wp.func
+def with_derivatives(place: Pose, motion: Motion, row: int, x: f64) -> Pose:
+    """The pose that ``place_at`` gives, with the derivatives."""
+    tip_rate = f64(5.0) * motion.tip[row, 5]
+    axis_rate = f64(5.0) * motion.axis[row, 5]
+    for i in range(4):
+        k = 4 - i
+        tip_rate = tip_rate * x + f64(k) * motion.tip[row, k]
+        axis_rate = axis_rate * x + f64(k) * motion.axis[row, k]
+    place.tip_rate = tip_rate
+    place.axis_rate = axis_rate
+    return place
+
+
+@wp.func
 def perpendicular(v: wp.vec3d) -> wp.vec3d:
     """Any unit vector perpendicular to a unit vector."""
     other = wp.vec3d(f64(1.0), f64(0.0), f64(0.0))

@@ -21,6 +21,8 @@ DONE = wp.constant(3)
 
 MAX_EVALUATIONS = wp.constant(120)
 SLACK = wp.constant(f64(1.0e-4))
+# a stride of less than two reaches is covered from its far end as well, where entries do not fall there
+BOLD = wp.constant(f64(1.95))
 NARROWEST = wp.constant(f64(1.0e-6))
 
 
@@ -46,7 +48,8 @@ class Extreme:
 class Search:
     """State of a search: the bracket [a, b] of the descent, the earliest contact ``best``, and ``here``,
     up to which a march has come; ``x`` is where to look next. An entry as early as ``known`` is in the ray's
-    list already. ``lost`` 1: a march came to a standstill. The rest as in Extreme.
+    list already. ``stride`` is how many certified reaches a march goes at once; ``lost`` 1: one came to a
+    standstill. The rest as in Extreme.
     """
 
     phase: wp.int32
@@ -60,6 +63,7 @@ class Search:
     gap: wp.int32
     lost: wp.int32
     known: f64
+    stride: f64
 
 
 @wp.func
@@ -116,11 +120,12 @@ def replaces_left(a: Contact, b: Contact, at: Contact) -> bool:
 
 @wp.func
 def march_point(
-    here: Contact, end: Contact, best: f64, tolerance: f64, curvature: f64, spin: f64, floor: f64
+    here: Contact, end: Contact, best: f64, tolerance: f64, curvature: f64, spin: f64, floor: f64, stride: f64
 ) -> wp.vec2d:
     """Where to look next on the way from here to the end, and 1 where the rest is certified (else 0).
 
-    2 where steps get smaller than ``floor``: this bound does not lead to the end.
+    A stride of more than one certified reach is for the caller to check. 2 where steps get smaller than ``floor``:
+    this bound does not lead to the end.
     """
     forward = wp.sign(end.x - here.x)
     slack = SLACK * tolerance
@@ -134,7 +139,16 @@ def march_point(
         return wp.vec2d(end.x, f64(1.0))
     if reach < floor:
         return wp.vec2d(end.x, f64(2.0))
-    return wp.vec2d(here.x + forward * reach, f64(0.0))
+    step = lesser(stride * reach, f64(0.5) * (reach + left_over))
+    return wp.vec2d(here.x + forward * greater(step, reach), f64(0.0))
+
+
+@wp.func
+def follows(here: Contact, at: Contact, best: f64, tolerance: f64, curvature: f64, spin: f64) -> bool:
+    """Whether the stride from here to another contact is certified from its two ends."""
+    if at.found == 0:
+        return False
+    return march_point(here, at, best, tolerance, curvature, spin, f64(0.0), f64(1.0))[1] == f64(1.0)
 
 
 @wp.func
@@ -153,6 +167,7 @@ def start_search(
     s.from_x = left.x
     s.to_x = right.x
     s.known = known
+    s.stride = BOLD
     if lesser(s.best.tau, known) < enough:
         s.phase = DONE
         return s
@@ -161,7 +176,7 @@ def start_search(
     if left.found == 0:
         here = right
         end = left
-    if march_point(here, end, lesser(s.best.tau, known), tolerance, curvature, spin, f64(0.0))[1] == f64(1.0):
+    if march_point(here, end, lesser(s.best.tau, known), tolerance, curvature, spin, f64(0.0), f64(1.0))[1] == f64(1.0):
         s.phase = DONE
     return s
 
@@ -186,12 +201,13 @@ def aim(
                 s.b = s.best
             s.here = s.b
     if s.phase == MARCH_RIGHT:
-        next = march_point(s.here, right, best, tolerance, curvature, spin, floor)
+        next = march_point(s.here, right, best, tolerance, curvature, spin, floor, s.stride)
         if next[1] == f64(1.0):
             s.phase = MARCH_LEFT
+            s.stride = BOLD
             s.here = s.a
     if s.phase == MARCH_LEFT:
-        next = march_point(s.here, left, best, tolerance, curvature, spin, floor)
+        next = march_point(s.here, left, best, tolerance, curvature, spin, floor, s.stride)
         if next[1] == f64(1.0):
             s.phase = DONE
     if s.phase != DONE and next[1] == f64(2.0):
@@ -202,14 +218,17 @@ def aim(
 
 
 @wp.func
-def take(s: Search, at: Contact, left: Contact, right: Contact, tolerance: f64) -> Search:
+def take(
+    s: Search, at: Contact, left: Contact, right: Contact, tolerance: f64, curvature: f64, spin: f64
+) -> Search:  # fmt: skip
     """Draw the conclusions from what was found at the point aimed at."""
     if at.found == 0 and left.found == 1 and right.found == 1:
         s.gap = 1
         s.to_x = at.x
         s.phase = DONE
         return s
-    earlier = at.tau < lesser(s.best.tau, s.known) - f64(0.5) * tolerance
+    best = lesser(s.best.tau, s.known)
+    earlier = at.tau < best - f64(0.5) * tolerance
     if at.tau < s.best.tau:
         s.best = at
     if s.phase == DESCEND:
@@ -217,9 +236,12 @@ def take(s: Search, at: Contact, left: Contact, right: Contact, tolerance: f64) 
             s.a = at
         else:
             s.b = at
+    elif s.stride > f64(1.0) and not earlier and not follows(s.here, at, best, tolerance, curvature, spin):
+        s.stride = f64(1.0)
     elif at.found == 0 and s.phase == MARCH_RIGHT:
         s.to_x = at.x
         s.phase = MARCH_LEFT
+        s.stride = BOLD
         s.here = s.a
     elif at.found == 0:
         s.from_x = at.x
@@ -257,7 +279,7 @@ def earliest_entry(
         if s.phase != DONE:
             at = end_at(cutter, motion, row, origin, direction, side, s.x)
             evaluations += 1
-            s = take(s, at, left, right, tolerance)
+            s = take(s, at, left, right, tolerance, motion.acceleration[row], motion.spin[row])
     out = Extreme()
     out.x = s.best.x
     out.tau = s.best.tau

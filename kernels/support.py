@@ -146,6 +146,24 @@ def apart(cutter: Cutter, pose: Pose, origin: wp.vec3d, direction: wp.vec3d) -> 
 
 
 @wp.func
+def from_axis(cutter: Cutter, pose: Pose, origin: wp.vec3d, direction: wp.vec3d) -> wp.vec3d:
+    """Unit vector across a ray, from where the cutter's axis is closest to it: ``apart`` but for slopes and rims."""
+    bottom = cutter.slabs[cutter.first, 0]
+    if cutter.slabs[cutter.first, 5] != LINE:
+        bottom = cutter.slabs[cutter.first, 3]
+    rise = wp.dot(pose.axis, direction)
+    q = origin - pose.tip
+    q = q - wp.dot(q, direction) * direction
+    upright = pose.axis - rise * direction
+    z = wp.dot(q, upright) / greater(wp.dot(upright, upright), TINY)
+    q = q - wp.clamp(z, bottom, cutter.slabs[cutter.end - 1, 1]) * upright
+    size = wp.length(q)
+    if size < TINY:
+        return perpendicular(direction)
+    return q / size
+
+
+@wp.func
 def clearance(cutter: Cutter, place: Pose, point: wp.vec3d, n: wp.vec3d) -> f64:
     """How far the cutter stays behind the plane through a point with unit normal n [mm].
 

@@ -110,7 +110,7 @@ def cut_rest(
         free = free_stretch(lists, ray, from_tau, window[1], f64(0.5) * tolerance)
         if free[0] > free[1]:
             return status
-        find = find_pose(cutter, motion, row, origin, direction, f64(-1.0), f64(1.0), free)
+        find = find_pose(cutter, motion, row, origin, direction, f64(-1.0), f64(1.0), free, 0)
         if find.outcome == HIT and rounds < MAX_ROUNDS:
             chord = chord_at(cutter, motion, row, origin, direction, find.x)
             if not insert(lists, ray, chord.entry.tau, -chord.exit.tau, row, row, tolerance):
@@ -162,7 +162,7 @@ def cut_by_segment(
             certain = 0
             place = NOWHERE
         elif left.entry.found == 0 and end.entry.found == 0:
-            find = find_pose(cutter, motion, row, origin, direction, left.entry.x, end.entry.x, window)
+            find = find_pose(cutter, motion, row, origin, direction, left.entry.x, end.entry.x, window, 1)
             if find.outcome == LOST or (find.outcome == HIT and place == BEFORE):
                 certain = 0
             if find.outcome == HIT and place != BEFORE:

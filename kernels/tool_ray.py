@@ -93,14 +93,15 @@ def line_interval(ray: ToolRay, radius: f64, slope: f64, z_base: f64, lo: f64, h
 @wp.func
 def cone_interval(ray: ToolRay, radius: f64, slope: f64, z_base: f64, lo: f64, hi: f64) -> wp.vec2d:
     """As ``line_interval``, keeping all digits near the apex if (radius, z_base) is the frustum's end on that side."""
-    if slope == f64(0.0):
-        return line_interval(ray, radius, slope, z_base, lo, hi)
     near = ray
-    shift = (z_base - ray.z0) * ray.dz - ray.half
-    near.z0 = ray.z0 + shift * ray.dz
-    near.w0 = ray.w0 + shift * ray.w1
-    near.base = wp.dot(near.w0, near.w0)
-    near.half = wp.dot(near.w0, near.w1)
+    shift = f64(0.0)
+    edge = radius + slope * (ray.z0 - z_base)
+    if greater(ray.base, edge * edge) > f64(16.0) * radius * radius and slope != f64(0.0):
+        shift = (z_base - ray.z0) * ray.dz - ray.half
+        near.z0 = ray.z0 + shift * ray.dz
+        near.w0 = ray.w0 + shift * ray.w1
+        near.base = wp.dot(near.w0, near.w0)
+        near.half = wp.dot(near.w0, near.w1)
     part = line_interval(near, radius, slope, z_base, lo - shift, hi - shift)
     if part[0] > part[1]:
         return part
@@ -172,10 +173,26 @@ def ball_interval(ray: ToolRay, centre_z: f64, radius: f64, lo: f64, hi: f64) ->
 
 
 @wp.func
+def centred_ball_interval(ray: ToolRay, centre_z: f64, radius: f64, lo: f64, hi: f64) -> wp.vec2d:
+    """The same, with all digits wherever the ball is: from the ray's point closest to its centre."""
+    z = ray.z0 - centre_z
+    middle = -ray.half - z * ray.dz
+    w = ray.w0 + middle * ray.w1
+    z += middle * ray.dz
+    disc = radius * radius - (wp.dot(w, w) + z * z)
+    if disc < f64(0.0):
+        return wp.vec2d(f64(1.0), f64(0.0))
+    root = wp.sqrt(disc)
+    return wp.vec2d(greater(lo, middle - root), lesser(hi, middle + root))
+
+
+@wp.func
 def arc_interval(
     ray: ToolRay, centre_r: f64, centre_z: f64, radius: f64, lo: f64, hi: f64, close: f64
 ) -> wp.vec2d:  # fmt: skip
     """Part of [lo, hi] inside the puck of an arc, its ends within ``close`` of it; empty as (1, 0)."""
+    if centre_r == f64(0.0):
+        return centred_ball_interval(ray, centre_z, radius, lo, hi)
     ball = centre_r + radius
     if centre_r < f64(0.0):
         ball = wp.sqrt(radius * radius - centre_r * centre_r)

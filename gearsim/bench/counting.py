@@ -1,4 +1,4 @@
-"""How often the kernels evaluate a pose: counted exactly, by kernels compiled once more with a counter in pose_at.
+"""How often the kernels evaluate a pose: counted exactly, by kernels compiled once more with a counter in it.
 
 Runs in a process of its own (``python -m gearsim.bench.counting``), because it changes the kernels' modules.
 """
@@ -23,6 +23,7 @@ from gearsim.simulation import removal
 
 f64: Any = wp.float64
 _pose_at = pose.pose_at
+_place_at = pose.place_at
 
 
 @wp.func
@@ -30,6 +31,13 @@ def counted_pose_at(motion: Motion, row: int, x: f64) -> Pose:
     """pose_at, which adds one to a counter kept behind the speeds; on a CPU that is safe on one thread only."""
     wp.atomic_add(motion.speed, motion.tip.shape[0] + row, f64(1.0))
     return _pose_at(motion, row, x)
+
+
+@wp.func
+def counted_place_at(motion: Motion, row: int, x: f64) -> Pose:
+    """The same for place_at."""
+    wp.atomic_add(motion.speed, motion.tip.shape[0] + row, f64(1.0))
+    return _place_at(motion, row, x)
 
 
 def poses_evaluated(device: str, tolerances: Sequence[float]) -> dict[str, int]:
@@ -43,8 +51,9 @@ def poses_evaluated(device: str, tolerances: Sequence[float]) -> dict[str, int]:
 
 def _count(device: str, tolerances: Sequence[float]) -> dict[str, int]:
     for name, module in list(sys.modules.items()):
-        if name.startswith("gearsim.kernels") and getattr(module, "pose_at", None) is _pose_at:
-            vars(module)["pose_at"] = counted_pose_at
+        for evaluation, counted in (("pose_at", counted_pose_at), ("place_at", counted_place_at)):
+            if name.startswith("gearsim.kernels") and hasattr(module, evaluation):
+                vars(module)[evaluation] = counted
     counters = _count_behind_speeds()
     found = {}
     for case in base_cases():

@@ -7,8 +7,9 @@ import pytest
 import warp as wp
 
 from gearsim.cutters.catalogue import apt, conical
-from gearsim.kernels.find import HIT, LOST, NONE, find_pose, least_clearance, look_at
+from gearsim.kernels.find import HIT, LOST, NONE, find_pose, least_clearance
 from gearsim.kernels.gaps import find_gap
+from gearsim.kernels.look import look_at
 from gearsim.kernels.pose import Motion, pose_at
 from gearsim.kernels.profile import Cutters, convex_part
 from gearsim.kernels.support import apart, clearance, support_point
@@ -53,8 +54,8 @@ def bound_kernel(
 ):  # fmt: skip
     i = wp.tid()
     part = convex_part(cutters, 0, wp.float64(EXTENT))
-    a = look_at(part, motion, 0, origin[i], direction[i], stretch, wp.float64(-1.0))
-    b = look_at(part, motion, 0, origin[i], direction[i], stretch, wp.float64(1.0))
+    a = look_at(part, motion, 0, origin[i], direction[i], stretch, wp.float64(-1.0), 0)
+    b = look_at(part, motion, 0, origin[i], direction[i], stretch, wp.float64(1.0), 0)
     hits_out[i] = a.hit + b.hit
     if a.hit + b.hit == 0:
         least_out[i] = least_clearance(part, motion, 0, a, b)
@@ -67,7 +68,7 @@ def find_kernel(
 ):  # fmt: skip
     i = wp.tid()
     part = convex_part(cutters, 0, wp.float64(EXTENT))
-    find = find_pose(part, motion, 0, origin[i], direction[i], wp.float64(-1.0), wp.float64(1.0), stretch)
+    find = find_pose(part, motion, 0, origin[i], direction[i], wp.float64(-1.0), wp.float64(1.0), stretch, 0)
     outcome_out[i] = find.outcome
     x_out[i] = find.x
 

@@ -148,6 +148,31 @@ def test_rays_through_an_apex_along_the_axis_and_in_the_bottom_plane(device):
     assert np.allclose([beside.lo[0], beside.hi[0]], [30.0 - 1e-3, 30.0 + 1e-3], atol=2e-9)
 
 
+@pytest.mark.parametrize("half_deg", [5.0, 45.0])
+def test_a_cone_turning_about_its_apex_leaves_rays_through_it_alone(half_deg, device):
+    """They touch it all through the row, in a point where any plane between the two keeps them apart."""
+    tool = grinding_cone(40.0, radians(half_deg), 20.0 / np.tan(radians(half_deg)))
+    source = straight([0.0, 0.0, 0.0], [0.0, 0.0, 0.0], (UP, [np.tan(radians(0.4)), 0.0, 1.0]))
+    for direction in ([1.0, 0.0, 0.0], [0.6, 0.8, 0.0], [0.8, 0.0, -0.6], [0.48, 0.64, 0.6]):
+        origin = -32.0 * np.array(direction)
+        assert np.diff(removed(origin, direction, source, tool, 64.0, device).first)[0] == 0
+        beside = removed(origin + 1e-3 * UP, direction, source, tool, 64.0, device)
+        assert np.diff(beside.first)[0] == 1
+
+
+def test_rays_along_the_axis_through_a_round_tip(device):
+    """Just before the tip of the first pose rounding decides whether a point faces the ball or its pole."""
+    tool, rng = ball(8.0, 60.0), np.random.default_rng(3)
+    for _ in range(8):
+        axis = rng.normal(size=3)
+        axis /= np.linalg.norm(axis)
+        across = np.cross(axis, rng.normal(size=3))
+        end = 70.0 * across / np.linalg.norm(across) + 3.0 * axis
+        found = removed(-512.0 * axis, axis, straight([0.0, 0.0, 0.0], end, (axis, axis)), tool, 1024.0, device)
+        assert np.allclose(found.lo, [512.0], rtol=0.0, atol=1e-9)
+        assert np.allclose(found.hi, [572.0 + 3.0 * 4.0 / 70.0], rtol=0.0, atol=1e-9)
+
+
 def test_the_parts_of_an_undercut_tool_stay_inside_it():
     """The neck is led into the disc below it, not through: no ray just under the disc meets anything."""
     for size in (1e-3, 1.0, 1e3):
