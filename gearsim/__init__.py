@@ -6,8 +6,8 @@ from typing import TYPE_CHECKING, Any
 from gearsim.errors import GearsimError, InputError, NumericalError
 
 if TYPE_CHECKING:
+    from gearsim.processes.run import run
     from gearsim.result import Result
-    from gearsim.runner import run
     from gearsim.scene import Scene, load_scene, scene_names
 
 __version__ = "0.1.0"
@@ -23,7 +23,7 @@ __all__ = [
     "scene_names",
 ]
 
-_HOMES = {"Result": "result", "Scene": "scene", "load_scene": "scene", "run": "runner", "scene_names": "scene"}
+_HOMES = {"Result": "result", "Scene": "scene", "load_scene": "scene", "run": "processes.run", "scene_names": "scene"}
 
 
 def __getattr__(name: str) -> Any:

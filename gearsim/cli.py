@@ -6,6 +6,7 @@ import argparse
 import os
 import sys
 from collections.abc import Sequence
+from contextlib import nullcontext
 from pathlib import Path
 from typing import Any
 
@@ -88,6 +89,8 @@ def _add_run(commands: Any) -> None:
         metavar="TABLE.KEY=VALUE",
         help="override a value; repeatable",
     )
+    run.add_argument("--no-pictures", action="store_true", help="write data and report alone")
+    run.add_argument("--figures", metavar="FORMATS", help="draw charts as svg, pdf or svg,pdf beside PNG, for papers")
     run.add_argument("--dry-run", action="store_true", help="say what would be cut, how large, how long; cut nothing")
     run.set_defaults(command=_run)
 
@@ -183,26 +186,32 @@ def _run(options: argparse.Namespace) -> int:
 
     scene, folder = load_scene(options.scene, options.set)
     if options.dry_run:
-        return _dry_run(scene, folder)
+        return _dry_run(scene, folder, options.device)
     from gearsim.output.files import staged
+    from gearsim.output.painting import Painters
     from gearsim.output.screen import ScreenProgress, print_result
-    from gearsim.output.write import write_result
-    from gearsim.runner import run
+    from gearsim.output.write import Wanted, write_result
+    from gearsim.processes.run import run
 
+    wanted = Wanted(not options.no_pictures, tuple(options.figures.split(",")) if options.figures else ())
     out = options.out or Path("runs") / scene.name
-    with staged(out) as stage, ScreenProgress() as progress:
+    with (
+        staged(out) as stage,
+        Painters() if wanted.pictures else nullcontext() as painters,
+        ScreenProgress() as progress,
+    ):
         result = run(scene, device=options.device, folder=folder, progress=progress)
         progress.stage("writing report and pictures", 0)
-        missing = write_result(result, stage)
+        missing = write_result(result, stage, wanted, painters)
     print_result(result, out, missing)
     return result.exit_code
 
 
-def _dry_run(scene: Any, folder: Path) -> int:
+def _dry_run(scene: Any, folder: Path, device: str) -> int:
     from gearsim.output.screen import print_estimate
-    from gearsim.runner import estimate
+    from gearsim.processes.run import estimate
 
-    print_estimate(scene.name, estimate(scene, folder))
+    print_estimate(scene.name, estimate(scene, folder, device))
     return 0
 
 
@@ -235,7 +244,7 @@ def _new(options: argparse.Namespace) -> int:
 
 
 def _gouge(options: argparse.Namespace) -> int:
-    from gearsim.sculptured.command import gouge
+    from gearsim.processes.gouge import gouge
 
     return gouge(options)
 

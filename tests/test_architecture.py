@@ -11,8 +11,7 @@ ROOT = Path(__file__).parent.parent
 # From the ground up: a room may import rooms before it, never behind it.
 ORDER = [
     "errors", "geometry", "cutters", "machines", "surfaces", "programs", "motion", "toolpaths", "kernels", "envelope",
-    "simulation", "metrology", "gouging", "result", "output", "scene", "flank_milling", "generating",
-    "generation_milling", "sculptured", "runner", "verify", "bench", "cli",
+    "simulation", "metrology", "gouging", "result", "output", "scene", "processes", "verify", "bench", "cli",
 ]  # fmt: skip
 LAUNCHERS = {"kernels", "envelope", "simulation", "gouging", "verify", "bench"}
 HEAVY = {"warp", "pyvista", "OpenEXR", "pyarrow", "matplotlib"}

@@ -28,7 +28,7 @@ def test_scenes_are_listed_one_a_line(capsys):
 def test_a_scene_within_tolerance_ends_with_0_and_the_figures(tmp_path, capsys):
     assert run("run", "spiral-bevel-flank", "--out", tmp_path, *QUICK) == 0
     out = capsys.readouterr().out
-    for word in ("convex: own pass", "concave: all passes", "Two roads agree to", "pairs/s", "verdict: pass"):
+    for word in ("convex: own pass", "concave: program", "Two roads agree to", "pairs/s", "verdict: pass"):
         assert word in out
     assert (tmp_path / "report.json").exists()
 
@@ -131,12 +131,11 @@ QUICK_FILE = [a for s in SMALL[:4] for a in ("--set", s)]
 def test_a_users_cl_file_is_cut_and_measured(own_scene, tmp_path, capsys):
     assert run("run", own_scene(), "--out", tmp_path / "out", *QUICK_FILE, "--set", "metrology.tolerance_um=20") == 0
     report = json.loads((tmp_path / "out" / "report.json").read_text())
-    flank = report["flanks"]["concave"]
-    assert flank["own_pass"] is None
-    assert flank["envelope_gap_um"] is None
-    assert flank["envelope_gap_cl_um"]["max"] < 1e-3
-    assert flank["convergence"] is None
-    assert "own pass, CL data" in capsys.readouterr().out
+    flank = report["measurements"]["concave"]
+    assert set(flank) == {"own_pass", "program"}
+    assert flank["own_pass"]["dense_grid"]["envelope_gap_um"]["max"] < 1e-3
+    assert set(flank["own_pass"]) == {"dense_grid", "inspection_grid", "mean_profile"}
+    assert "concave: own pass" in capsys.readouterr().out
 
 
 def test_a_cl_file_without_pass_names_is_one_pass_for_both_flanks(own_scene, tmp_path):
@@ -170,8 +169,8 @@ def test_a_program_that_misses_the_blank_is_unchecked_and_says_so(own_scene, tmp
 
     assert run("run", own_scene(away), "--out", tmp_path / "out", *QUICK_FILE) == 3
     said = capsys.readouterr().out
-    for surface in ("convex flank", "concave flank", "convex fillet", "bottom"):
-        assert f"no operation touches the {surface}" in said
+    for surface in ("convex under program", "concave under program", "the convex fillet", "the bottom"):
+        assert f"no operation touches {surface}" in said
     verdict, found = findings(tmp_path / "out")
     assert verdict == "unchecked"
     assert found["uncut"]["depth_um"] > 2000.0

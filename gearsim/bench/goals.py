@@ -95,7 +95,7 @@ def _share(share: float) -> str:
 def _deviation_row(device: str) -> dict[str, Any]:
     """From samples and normals to deviations, the flank's own continuous pass."""
     job = flank_job()
-    case = Case("", normals(*SAMPLES), job.theory["convex"].table, job.cutter)
+    case = Case("", normals(*SAMPLES), job.theory, job.cutter)
 
     def work() -> None:
         done = cut(case.rays, case.table, case.cutter, device=device, tolerance=TOLERANCE, threads=1)

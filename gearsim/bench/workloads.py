@@ -9,7 +9,6 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from gearsim import flank_milling, generating
 from gearsim.cutters.end_mills import ball
 from gearsim.cutters.profile import Profile
 from gearsim.geometry.rays import RayBundle, join_rays
@@ -18,9 +17,11 @@ from gearsim.metrology.dexel_check import slot_box
 from gearsim.metrology.samples import sample_grid
 from gearsim.motion.segments import SegmentTable, compile_motion, join
 from gearsim.motion.sources import CLMotion
-from gearsim.scene import FlankMillingScene, GeneratedScene, load_scene
+from gearsim.processes.run import plan
+from gearsim.scene import FlankMillingScene, load_scene
 from gearsim.simulation.dexels import DexelBox
 from gearsim.simulation.removal import Job
+from gearsim.surfaces.patch import Tooth
 
 DEXEL_PITCH = 0.15
 BLOCK = (100.0, 60.0, 20.0)
@@ -42,12 +43,23 @@ class Case(NamedTuple):
     cutter: Profile
 
 
+class FlankWork(NamedTuple):
+    """The README's job: its tooth and cutter, the convex flank's continuous pass and the whole program."""
+
+    tooth: Tooth
+    cutter: Profile
+    theory: SegmentTable
+    program: SegmentTable
+
+
 @cache
-def flank_job() -> flank_milling.Job:
-    """The README's job: scene spiral-bevel-flank, planned."""
+def flank_job() -> FlankWork:
+    """Scene spiral-bevel-flank, planned."""
     scene, folder = load_scene("spiral-bevel-flank")
     assert isinstance(scene, FlankMillingScene)
-    return flank_milling.plan(scene, folder)
+    job = plan(scene, folder)
+    theory, program = (job.variant(name, "convex").operations[0] for name in ("theory", "program"))
+    return FlankWork(scene.tooth(), program.cutter, theory.table, program.table)
 
 
 def normals(rows: int, columns: int) -> RayBundle:
@@ -71,7 +83,7 @@ def flank_cases() -> list[Case]:
     job = flank_job()
     rays = normals(65, 513)
     return [
-        Case("normals, continuous", rays, job.theory["convex"].table, job.cutter),
+        Case("normals, continuous", rays, job.theory, job.cutter),
         Case("normals, CL data", rays, job.program, job.cutter),
         Case("tri-dexel, CL data", slot_dexels(), job.program, job.cutter),
     ]
@@ -80,7 +92,7 @@ def flank_cases() -> list[Case]:
 def inspections(count: int) -> list[Job]:
     """So many small jobs: the README's flank on an inspector's 5 x 9 grid, the tool up to 10 um off."""
     job = flank_job()
-    rays, table = normals(5, 9), job.theory["convex"].table
+    rays, table = normals(5, 9), job.theory
     errors = np.random.default_rng(1).uniform(-0.01, 0.01, (count, 3))
     return [Job(rays, table.moved(Rigid(np.eye(3), error)), job.cutter) for error in errors]
 
@@ -88,18 +100,16 @@ def inspections(count: int) -> list[Job]:
 def head_case() -> Case:
     """Normals of the face-milled convex flank through the roll of its ring-shaped head."""
     scene, folder = load_scene("spiral-bevel-face-milled")
-    assert isinstance(scene, GeneratedScene)
-    job = generating.plan(scene, folder)
-    (cut,) = job.cuts
-    convex = next(patch for patch in cut.patches if patch.name == "convex")
-    table = job.compiled(cut, cut.sources[cut.generating]).table
-    return Case("normals, head's roll", sample_grid(convex, 33, 129, 0.01).rays(), table, cut.cutter)
+    job = plan(scene, folder)
+    (roll,) = job.variant("roll", "convex").operations
+    rays = sample_grid(job.part.patch("convex"), 33, 129, 0.01).rays()
+    return Case("normals, head's roll", rays, roll.table, roll.cutter)
 
 
 def pass_over_dexels() -> Case:
     """A tri-dexel's bundle through one pass without its run-in and run-out: about 9.6 candidates a ray."""
     job = flank_job()
-    table = job.theory["convex"].table
+    table = job.theory
     ends = round(0.19 * len(table))
     return Case("tri-dexel, one pass", slot_dexels(), table.part(slice(ends, len(table) - ends)), job.cutter)
 

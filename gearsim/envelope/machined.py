@@ -63,6 +63,9 @@ def machined_along(rays: RayBundle, sources: Sequence[MotionSource], cutter: Pro
     find nothing near their origin, or on whose way to the crossing another one was missed, are searched
     along their whole window. Slices of the rays run on all cores: NumPy lets go of the interpreter.
     """
+    if not len(rays):
+        none = Crossings(*(np.empty(0, dtype=k) for k in (int, float, int, int, float, int, float, float)))
+        return _road(0, none, np.empty(0, dtype=int))
     cores = os.cpu_count() or 1
     ends = np.linspace(0, len(rays), cores + 1).astype(int) if len(rays) >= _SLICED else np.array([0, len(rays)])
     parts = [rays.part(slice(a, b)) for a, b in pairwise(ends)]

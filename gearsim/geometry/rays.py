@@ -7,7 +7,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from gearsim.errors import InputError
 from gearsim.geometry.rigid import Rigid
+
+_UNIT = 1e-9
 
 
 @dataclass(frozen=True)
@@ -15,13 +18,29 @@ class RayBundle:
     """Rays with a window of interest.
 
     ``origin`` [mm] and unit ``direction`` have shape (n, 3); ``start`` and ``end`` [mm along the ray],
-    shape (n,), bound where cuts matter: those wholly outside may be missing from the result.
+    shape (n,), bound where cuts matter: those wholly outside may be missing from the result. Raises InputError for
+    other shapes and for directions that are not of unit length to 1e-9 (nan passes: a ray that there is not).
     """
 
     origin: NDArray[np.floating]
     direction: NDArray[np.floating]
     start: NDArray[np.floating]
     end: NDArray[np.floating]
+
+    def __post_init__(self) -> None:
+        shapes = [np.shape(getattr(self, name)) for name in ("origin", "direction", "start", "end")]
+        n = shapes[0][0] if shapes[0] else 0
+        if shapes != [(n, 3), (n, 3), (n,), (n,)]:
+            raise InputError(
+                f"rays: origin, direction, start, end have shapes {', '.join(map(str, shapes))}; "
+                "expected (n, 3), (n, 3), (n,), (n,)"
+            )
+        off = np.abs(np.einsum("ij,ij->i", self.direction, self.direction) - 1.0) > 2.0 * _UNIT
+        if off.any():
+            i = int(np.argmax(off))
+            raise InputError(
+                f"rays: direction {i} has length {np.linalg.norm(self.direction[i]):.12g}; expected 1 (divide by it)"
+            )
 
     def __len__(self) -> int:
         return len(self.origin)

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from gearsim.cutters.contact import BEYOND
 from gearsim.gouging.compare import TIE
 from gearsim.gouging.junctions import Join, Junctions, least_at_sides, least_on_ridges
-from gearsim.gouging.khan_sizes import SideBySide, khan_joint, khan_mill
+from gearsim.gouging.khan.sizes import SideBySide, khan_joint, khan_mill
 from gearsim.gouging.looked import FaceLook
 from gearsim.gouging.sizes import Choice, JointChoice, largest_mills, least_difference
 from gearsim.gouging.surface import SurfaceContacts

@@ -2,20 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
-from gearsim.metrology.bevel import FlankResult, PatchResult
 from gearsim.metrology.deviation import Crossing, Deviation
-from gearsim.metrology.rapid_check import RapidTouch
 from gearsim.metrology.samples import SampleGrid
-from gearsim.metrology.surface import SurfaceResult
 from gearsim.surfaces.blank import BevelBlank
+from gearsim.surfaces.part import Tolerance
 
 _SEEN_MM = 1e-5
+_DEEPER_MM = 1e-6
 
 
 @dataclass(frozen=True)
@@ -36,72 +35,68 @@ class Finding:
     text: str
 
 
-def flank_findings(flank: FlankResult, tolerance_um: float) -> list[Finding]:
-    """Cross-cuts by other passes, and what is out of tolerance after all passes."""
-    found = []
-    if flank.others is not None:
-        worst = _deepest(flank.grid, flank.others)
-        if worst is not None:
-            text = f"another pass cuts the {flank.side} flank beyond its intended surface"
-            found.append(_finding("cross_cut", flank.grid, *worst, tolerance_um, text))
-    what = f"the {flank.side} flank", "after all passes"
-    return found + _out_of_tolerance(flank.grid, flank.all_passes, tolerance_um, what)
+def cross_cut(grid: SampleGrid, strangers: Deviation, tolerance: Tolerance | None) -> Iterator[Finding]:
+    """The deepest cut of operations that are not meant for this surface."""
+    worst = _deepest(grid, strangers)
+    if worst is not None:
+        text = f"another pass cuts the {grid.patch.name} surface beyond its intended form"
+        yield _finding("cross_cut", grid, *worst, tolerance, text)
 
 
-def rapid_findings(touch: RapidTouch | None, blank: BevelBlank | None, name: str) -> list[Finding]:
+def deeper_than_last(grid: SampleGrid, whole: Deviation, last: Deviation) -> Iterator[Finding]:
+    """Where the rest of the program cuts deeper than the operation that was to finish the surface."""
+    depth = np.nan_to_num(whole.value - last.value).ravel()
+    i = int(np.argmin(depth))
+    if depth[i] <= -_DEEPER_MM:
+        text = f"another operation cuts the {grid.patch.name} surface deeper than the last one"
+        yield _finding("cross_cut", grid, i, 1e3 * float(depth[i]), None, text)
+
+
+def rapid_cut(blank: BevelBlank | None, place: NDArray, rays: int, name: str) -> Finding:
     """The first place where a rapid move, called ``name``, touches material: it fails, whatever the depth."""
-    if touch is None:
-        return []
-    text = f"{name} touches material: it cuts {touch.rays} rays that look at the blank"
-    return [_place("rapid_cut", "blank", blank, touch.place, None, True, text)]
+    text = f"{name} touches material: it cuts {rays} rays that look at the blank"
+    return _place("rapid_cut", "blank", blank, place, None, True, text)
 
 
-def root_findings(patches: Sequence[PatchResult], tolerance_um: float) -> list[Finding]:
-    """The deepest cut and the most material left, over fillets and bottom land."""
+def root_findings(
+    patches: Sequence[tuple[SampleGrid, Deviation]], tolerances: Sequence[Tolerance | None]
+) -> list[Finding]:  # fmt: skip
+    """The deepest cut and the most material left, over fillets and bottom land with a tolerance each."""
     found = []
-    cuts = [(p, worst) for p in patches if (worst := _deepest(p.grid, p.deviation)) is not None]
+    cuts = [(k, worst) for k, patch in enumerate(patches) if (worst := _deepest(*patch)) is not None]
     if cuts:
-        patch, (i, depth) = min(cuts, key=lambda c: c[1][1])
-        text = f"the {_where(patch.grid)} is overcut"
-        found.append(_finding("root_cut", patch.grid, i, depth, tolerance_um, text))
-    left = [(p, int(np.argmax(_height(p.deviation, p.grid)))) for p in patches]
-    patch, i = max(left, key=lambda c: _height(c[0].deviation, c[0].grid)[c[1]])
-    depth = 1e3 * float(_height(patch.deviation, patch.grid)[i])
+        k, (i, depth) = min(cuts, key=lambda c: c[1][1])
+        text = f"the {_where(patches[k][0])} is overcut"
+        found.append(_finding("root_cut", patches[k][0], i, depth, tolerances[k], text))
+    heights = [_height(deviation, grid) for grid, deviation in patches]
+    k = max(range(len(patches)), key=lambda k: float(heights[k].max()))
+    i = int(np.argmax(heights[k]))
+    depth = 1e3 * float(heights[k][i])
     if depth <= 0.0:
         return found
-    text = f"stock is left on the {_where(patch.grid)}; it takes a pass of its own"
-    found.append(_finding("root_stock", patch.grid, i, depth, np.inf, text))
+    text = f"stock is left on the {_where(patches[k][0])}; it takes a pass of its own"
+    found.append(_finding("root_stock", patches[k][0], i, depth, tolerances[k], text))
     return found
 
 
-def surface_findings(surface: SurfaceResult, judged: Sequence[str], tolerance_um: float) -> list[Finding]:
-    """What is out of tolerance on a generated surface under the judged motions."""
-    found: list[Finding] = []
-    for name in judged:
-        what = f"the {surface.grid.patch.name} surface", f"under the motion {name}"
-        found += _out_of_tolerance(surface.grid, surface.deviations[name], tolerance_um, what)
-    return found
-
-
-def _out_of_tolerance(
-    grid: SampleGrid, deviation: Deviation, tolerance_um: float, what: tuple[str, str]
-) -> list[Finding]:
-    """Samples without a measured value, and the largest value if it is beyond the tolerance."""
-    found = []
-    crossing = deviation.crossing.ravel()
+def out_of_tolerance(
+    grid: SampleGrid, deviation: Deviation, tolerance: Tolerance | None, how: str
+) -> Iterator[Finding]:
+    """Samples without a measured value, and the value farthest out of the tolerance; ``how`` they came about."""
+    crossing, what = deviation.crossing.ravel(), f"the {grid.patch.name} surface"
     for kind, state in ((Crossing.UNCUT, "uncut"), (Crossing.THROUGH, "through")):
         where = np.flatnonzero(crossing == kind)
         if len(where):
             window = 1e3 * (grid.outward if kind == Crossing.UNCUT else -grid.inward).ravel()
             i = int(where[np.argmax(np.abs(window[where]))])
-            text = f"{len(where)} samples of {what[0]} are {state} {what[1]}: beyond the measuring window"
-            found.append(_finding(state, grid, i, float(window[i]), 0.0, text))
+            text = f"{len(where)} samples of {what} are {state} {how}: beyond the measuring window"
+            yield _finding(state, grid, i, float(window[i]), Tolerance.both(0.0), text)
+    if tolerance is None:
+        return
     um = np.where(np.isfinite(deviation.value), 1e3 * deviation.value, 0.0).ravel()
-    i = int(np.argmax(np.abs(um)))
-    if abs(um[i]) > tolerance_um:
-        text = f"{what[0]} is out of tolerance {what[1]}"
-        found.append(_finding("out_of_tolerance", grid, i, float(um[i]), tolerance_um, text))
-    return found
+    i = int(np.argmax(np.maximum(um - tolerance.excess_um, -tolerance.overcut_um - um)))
+    if not tolerance.allows(um[i]):
+        yield _finding("out_of_tolerance", grid, i, float(um[i]), tolerance, f"{what} is out of tolerance {how}")
 
 
 def _deepest(grid: SampleGrid, deviation: Deviation) -> tuple[int, float] | None:
@@ -121,9 +116,9 @@ def _where(grid: SampleGrid) -> str:
     return "bottom land" if grid.patch.name == "bottom" else grid.patch.name
 
 
-def _finding(kind: str, grid: SampleGrid, i: int, depth_um: float, tolerance_um: float, text: str) -> Finding:
+def _finding(kind: str, grid: SampleGrid, i: int, depth_um: float, tolerance: Tolerance | None, text: str) -> Finding:
     point = grid.point.reshape(-1, 3)[i]
-    fails = abs(depth_um) > tolerance_um
+    fails = tolerance is not None and not tolerance.allows(depth_um)
     return _place(kind, grid.patch.name, grid.patch.blank, point, depth_um, fails, text)
 
 

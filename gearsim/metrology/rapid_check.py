@@ -6,8 +6,8 @@ a rapid have removed is taken away first, for a tool may well go down by rapid w
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,13 +15,17 @@ from numpy.typing import NDArray
 from gearsim.geometry.rays import RayBundle, join_rays
 from gearsim.geometry.rigid import Rigid
 from gearsim.geometry.turned import Turned
+from gearsim.metrology.findings import rapid_cut
+from gearsim.metrology.inspection import Cut, Reading, Steps
 from gearsim.simulation.dexels import DexelBox
 from gearsim.simulation.intervals import IntervalSet, subtract
+from gearsim.simulation.operation import Variant
+
+if TYPE_CHECKING:
+    from gearsim.metrology.job import Job
 
 _CELLS = 128
 _SEEN_MM = 1e-6
-
-Removed = Callable[[RayBundle, NDArray[np.bool_]], IntervalSet]
 
 
 @dataclass(frozen=True)
@@ -43,11 +47,52 @@ def blank_rays(stock: Turned) -> RayBundle:
     return join_rays([box.rays(axis) for axis in range(3)])
 
 
-def rapid_touch(stock: Turned, rays: RayBundle, rapid: NDArray[np.bool_], removed: Removed) -> RapidTouch | None:
+@dataclass(frozen=True)
+class RapidInspection:
+    """Whether a variant's rapid moves touch the part's stock, seen by rays through all of it and those of a ``box``.
+
+    Less than a nanometre on a ray does not count. ``move`` says in words how a rapid is called: by ``{line}`` of the
+    program it stands in, or by its ``{number}`` among the rapids.
+    """
+
+    variant: str
+    box: DexelBox
+    move: str
+    name: str = "rapid moves"
+
+    def steps(self, job: Job) -> Steps[Reading]:
+        assert job.part.stock is not None
+        variant = job.variant(self.variant)
+        rays = join_rays([blank_rays(job.part.stock), *(self.box.rays(axis) for axis in range(3))])
+        rapid, line = _in_order(variant)
+        touch = yield from rapid_touch(job.part.stock, rays, variant, rapid)
+        if touch is None:
+            return Reading()
+        called = self.move.format(line=line[touch.step], number=int(rapid[: touch.step + 1].sum()))
+        blank = next(iter(job.part.surfaces.values())).patch.blank
+        return Reading((), (rapid_cut(blank, touch.place, touch.rays, called),))
+
+
+def _in_order(variant: Variant) -> tuple[NDArray[np.bool_], NDArray[np.integer]]:
+    """Of every step of a variant, in the program's order: whether it is a rapid, and its line."""
+    steps = 1 + max(int(o.step.max(initial=-1)) for o in variant.operations)
+    rapid, line = np.zeros(steps, dtype=bool), np.zeros(steps, dtype=int)
+    for o in variant.operations:
+        rapid[o.step], line[o.step] = o.rapid, o.line
+    return rapid, line
+
+
+def _ask(chords: RayBundle, variant: Variant, steps: NDArray[np.bool_]) -> Steps[IntervalSet]:
+    """What chosen steps of a variant remove from chords."""
+    chosen = variant.chosen(lambda _, operation: steps[operation.step])
+    removed: IntervalSet = (yield [Cut(chords, chosen)])[0]
+    return removed
+
+
+def rapid_touch(stock: Turned, rays: RayBundle, variant: Variant, rapid: NDArray[np.bool_]) -> Steps[RapidTouch | None]:
     """The first rapid step that removes material from the rays' chords in a blank; None where there is none.
 
-    ``rapid`` (n,) says of every step of the program, in its order, whether it is one; ``removed`` what chosen steps,
-    shape (n,), remove from rays. Less than a nanometre on a ray does not count.
+    ``rapid`` (n,) says of every step of the program, in its order, whether it is one.
     """
     ray, start, end = stock.chords(rays.origin, rays.direction)
     start, end = np.maximum(start, rays.start[ray]), np.minimum(end, rays.end[ray])
@@ -56,21 +101,21 @@ def rapid_touch(stock: Turned, rays: RayBundle, rapid: NDArray[np.bool_], remove
     chords = RayBundle(rays.origin[ray], rays.direction[ray], start, end)
     if not rapid.any() or not len(chords):
         return None
-    chords = chords.part(_touched(chords, removed(chords, rapid)))
-    return _first(chords, rapid, removed) if len(chords) else None
+    chords = chords.part(_touched(chords, (yield from _ask(chords, variant, rapid))))
+    return (yield from _first(chords, variant, rapid)) if len(chords) else None
 
 
-def _first(chords: RayBundle, rapid: NDArray[np.bool_], removed: Removed) -> RapidTouch | None:
+def _first(chords: RayBundle, variant: Variant, rapid: NDArray[np.bool_]) -> Steps[RapidTouch | None]:
     """The first run of rapids that cuts what all feeds before it have left."""
     step, none = np.arange(len(rapid)), np.full(len(chords), -1)
     left, done = IntervalSet(np.arange(len(chords) + 1), chords.start, chords.end, none, none), 0
-    for begin, end in _suspects(chords, _runs(rapid), rapid, removed):
+    for begin, end in (yield from _suspects(chords, variant, _runs(rapid), rapid)):
         before = ~rapid & (step >= done) & (step < begin)
         if before.any():
-            left = subtract(left.ray, left.lo, left.hi, removed(chords, before))
+            left = subtract(left.ray, left.lo, left.hi, (yield from _ask(chords, variant, before)))
         done = begin
-        kept = subtract(left.ray, left.lo, left.hi, removed(chords, rapid & (step >= begin) & (step < end)))
-        lost = subtract(left.ray, left.lo, left.hi, kept)
+        cut = yield from _ask(chords, variant, rapid & (step >= begin) & (step < end))
+        lost = subtract(left.ray, left.lo, left.hi, subtract(left.ray, left.lo, left.hi, cut))
         seen = np.flatnonzero(lost.hi - lost.lo > _SEEN_MM)
         if len(seen):
             i = seen[0]
@@ -80,17 +125,18 @@ def _first(chords: RayBundle, rapid: NDArray[np.bool_], removed: Removed) -> Rap
 
 
 def _suspects(
-    chords: RayBundle, runs: NDArray[np.integer], rapid: NDArray[np.bool_], removed: Removed
-) -> list[NDArray[np.integer]]:  # fmt: skip
+    chords: RayBundle, variant: Variant, runs: NDArray[np.integer], rapid: NDArray[np.bool_]
+) -> Steps[list[NDArray[np.integer]]]:
     """The runs, shape (k, 2), that touch the uncut blank, in order, by halving their number."""
     step = np.arange(len(rapid))
     chosen = rapid & (step >= runs[0, 0]) & (step < runs[-1, 1])
-    if not _touched(chords, removed(chords, chosen)).any():
+    if not _touched(chords, (yield from _ask(chords, variant, chosen))).any():
         return []
     if len(runs) == 1:
         return [runs[0]]
     half = len(runs) // 2
-    return [*_suspects(chords, runs[:half], rapid, removed), *_suspects(chords, runs[half:], rapid, removed)]
+    first = yield from _suspects(chords, variant, runs[:half], rapid)
+    return first + (yield from _suspects(chords, variant, runs[half:], rapid))
 
 
 def _runs(rapid: NDArray[np.bool_]) -> NDArray[np.integer]:

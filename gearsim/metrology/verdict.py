@@ -2,11 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
+from typing import TYPE_CHECKING, Literal
 
 from gearsim.metrology.deviation import Crossing, Deviation
-from gearsim.metrology.dexel_check import DexelResult
-from gearsim.metrology.roads import RoadGap
+from gearsim.metrology.roads import LIMIT_UM, RoadGap
+from gearsim.surfaces.part import Part
+
+if TYPE_CHECKING:
+    from gearsim.metrology.inspection import Reading
+
+Verdict = Literal["pass", "fail", "unchecked"]
 
 
 def untouched(surface: str, deviation: Deviation) -> list[str]:
@@ -22,8 +28,37 @@ def not_compared(surface: str, gaps: Iterable[RoadGap]) -> list[str]:
     return [f"the two roads were compared at no sample of {surface}"]
 
 
-def no_witness(dexels: DexelResult) -> list[str]:
-    """Why the tri-dexel confirms nothing: none of its cut ends lies near a judged surface."""
-    if dexels.checked:
+def no_agreement(what: str, gap: RoadGap | None) -> list[str]:
+    """Why the roads' comparison forbids trust: they differ, or one cuts samples that the other does not."""
+    if gap is None or gap.trusted:
         return []
-    return ["no cut end of the tri-dexel lies near a judged surface; a finer simulation.dexel_pitch_mm may find some"]
+    return [
+        f"the two roads differ by {gap.max_um:.3g} um on {what} (limit {LIMIT_UM:g}); {gap.disagree} samples are cut "
+        "by only one of them"
+    ]
+
+
+def no_witness(checked: int, check_um: float) -> list[str]:
+    """Why the tri-dexel forbids trust: none of its ``checked`` cut ends lies near a surface, or they differ."""
+    if not checked:
+        return [
+            "no cut end of the tri-dexel lies near a judged surface; a finer simulation.dexel_pitch_mm may find some"
+        ]
+    if check_um > LIMIT_UM:
+        return [f"the tri-dexel differs from the rays by {check_um:.3g} um (limit {LIMIT_UM:g})"]
+    return []
+
+
+def verdict(part: Part, readings: Sequence[Reading]) -> tuple[Verdict, str]:
+    """Pass or fail by the findings; unchecked where nothing was judged or anything forbids trust, with the reasons."""
+    doubts = [doubt for reading in readings for doubt in reading.doubts]
+    judged = {surface for reading in readings for surface in reading.judged}
+    if not judged:
+        doubts.append("nothing was judged: no surface is held against a tolerance (see metrology.judged)")
+    else:
+        wanted = (name for name, surface in part.surfaces.items() if surface.tolerance is not None)
+        doubts += [f"{name} was not measured: nothing of it was judged" for name in wanted if name not in judged]
+    if doubts:
+        return "unchecked", "; ".join(dict.fromkeys(doubts))
+    fails = any(finding.fails for reading in readings for finding in reading.findings)
+    return ("fail" if fails else "pass"), "OK"

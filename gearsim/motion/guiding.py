@@ -7,6 +7,7 @@ printed (1 - h) o_c' + h o_t' needs h as a fraction of a constant distance betwe
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -21,15 +22,16 @@ from gearsim.motion.sources import CurveMotion
 Curve = Callable[[NDArray, int], Series]
 
 
-def guided(tip: Curve, top: Curve, start: float = 0.0, end: float = 1.0) -> CurveMotion:
-    """The motion whose tip follows ``tip`` and whose axis points to ``top`` at the same parameter.
+@dataclass(frozen=True)
+class Guided:
+    """Poses whose tip follows ``tip`` and whose axis points to ``top`` at the same parameter; called as a Curve is."""
 
-    Both curves take path parameters from ``start`` to ``end``. Asked for a pose, it raises InputError where
-    the curves meet.
-    """
+    tip: Curve
+    top: Curve
 
-    def pose(values: NDArray, order: int) -> PoseSeries:
-        below, above = tip(values, order), top(values, order)
+    def __call__(self, values: NDArray, order: int) -> PoseSeries:
+        """Raises InputError where the curves meet."""
+        below, above = self.tip(values, order), self.top(values, order)
         along = above - below
         length = np.linalg.norm(along.value, axis=-1)
         if len(length) and not length.min() > 1e-9:
@@ -37,14 +39,27 @@ def guided(tip: Curve, top: Curve, start: float = 0.0, end: float = 1.0) -> Curv
             raise InputError(f"the guiding curves meet at parameter {at:g}: they must stay apart to give an axis")
         return PoseSeries(below, series.unit(along))
 
-    return CurveMotion(pose, start, end)
+
+@dataclass(frozen=True)
+class Line:
+    """The straight line from ``start`` to ``end`` [mm], shape (3,), for parameters from 0 to 1."""
+
+    start: NDArray[np.floating]
+    end: NDArray[np.floating]
+
+    def __call__(self, values: NDArray, order: int) -> Series:
+        return Series.variable(values, order).column * (self.end - self.start) + self.start
+
+
+def guided(tip: Curve, top: Curve, start: float = 0.0, end: float = 1.0) -> CurveMotion:
+    """The motion whose tip follows ``tip`` and whose axis points to ``top`` at the same parameter.
+
+    Both curves take path parameters from ``start`` to ``end``. Asked for a pose, it raises InputError where
+    the curves meet.
+    """
+    return CurveMotion(Guided(tip, top), start, end)
 
 
 def line(a: ArrayLike, b: ArrayLike) -> Curve:
     """The straight line from a to b [mm], shape (3,), for parameters from 0 to 1."""
-    a, b = np.asarray(a, dtype=float), np.asarray(b, dtype=float)
-
-    def points(values: NDArray, order: int) -> Series:
-        return Series.variable(values, order).column * (b - a) + a
-
-    return points
+    return Line(np.asarray(a, dtype=float), np.asarray(b, dtype=float))

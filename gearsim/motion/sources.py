@@ -19,6 +19,8 @@ from gearsim.geometry.pose import PoseSeries
 from gearsim.geometry.rigid import Rigid
 from gearsim.geometry.series import Series
 
+_UNIT = 1e-9
+
 
 class MotionSource(Protocol):
     """A path of ``pieces`` smooth pieces; consecutive ones meet in one pose, where the velocity may jump."""
@@ -60,15 +62,25 @@ class CLMotion:
 
     ``tips`` [mm] and unit ``axes`` have shape (n, 3), n >= 2. The axis is written with cosine and sine of
     the swept angle, so that a step without rotation needs no special case (4.12 divides by sin gamma).
-    Raises InputError for opposite consecutive axes, whose plane of rotation is undefined.
+    Raises InputError for other shapes, numbers that are not finite, axes not of unit length to 1e-9, and opposite
+    consecutive axes, whose plane of rotation is undefined.
     """
 
     tips: NDArray[np.floating]
     axes: NDArray[np.floating]
 
     def __post_init__(self) -> None:
+        tips, axes = np.shape(self.tips), np.shape(self.axes)
+        if tips != axes or len(tips) != 2 or tips[1] != 3:
+            raise InputError(f"CL points: tips and axes have shapes {tips} and {axes}; expected (n, 3) both")
         if len(self.tips) < 2:
             raise InputError(f"a CL path needs at least 2 points, got {len(self.tips)}")
+        wrong = ~np.isfinite(self.tips).all(axis=1) | ~(np.abs(np.linalg.norm(self.axes, axis=1) - 1.0) <= _UNIT)
+        if wrong.any():
+            i = int(np.argmax(wrong))
+            raise InputError(
+                f"CL point {i + 1}: tip {self.tips[i]} and axis {self.axes[i]}; expected finite numbers and a unit axis"
+            )
         opposite = np.flatnonzero(self._turns[0] > np.pi - 1e-6)
         if len(opposite):
             i = int(opposite[0])

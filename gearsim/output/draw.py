@@ -1,4 +1,4 @@
-"""3D pictures with PyVista: meshes of measured patches, a white scene, and those of a flank-milled slot."""
+"""3D pictures with PyVista: meshes of measured patches, a white scene, blanks, toolpaths, envelopes."""
 
 from __future__ import annotations
 
@@ -9,17 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 _SIZE = (1400, 1000)
-_NOISE_UM = 1e-3
 STEEL = "#b8bec6"
 COLOURS = {"convex": "#d1495b", "concave": "#2e6f95"}
-
-
-def draw_flank_milling(data: dict[str, NDArray], surfaces: dict[str, Any], folder: Path) -> None:
-    """All pictures of a flank-milled slot."""
-    draw_slot(data, folder / "slot.png")
-    _draw_blanks(data, folder / "blanks.png")
-    _draw_toolpaths(data, surfaces, folder / "toolpaths.png")
-    _draw_envelopes(data, surfaces, folder / "envelopes.png")
 
 
 def patch_meshes(data: dict[str, NDArray]) -> dict[str, Any]:
@@ -74,29 +65,6 @@ def look_into_slot(plotter: Any, centre: NDArray, data: dict[str, NDArray], dist
     plotter.camera_position = [tuple(eye), tuple(centre), tuple(up)]
 
 
-def draw_slot(data: dict[str, NDArray], file: Path) -> None:
-    """The machined relief coloured by deviation: over its whole range, and within the flank tolerance."""
-    mesh = quads(data["relief:point"], {"deviation_um": data["relief:deviation_um"]})
-    colour = np.asarray(mesh["deviation_um"])
-    cut = np.abs(colour[np.isfinite(colour)])
-    whole = max(float(np.quantile(cut, 0.999)), _NOISE_UM) if cut.size else 1.0
-    tolerance = float(data["tolerance_um"])
-    plotter = plotter_with(views=2)
-    for view, (limit, text) in enumerate(((whole, "whole range"), (tolerance, "range of the flank tolerance"))):
-        plotter.subplot(0, view)
-        plotter.add_mesh(
-            mesh.copy(), scalars="deviation_um", cmap="RdBu_r", clim=(-limit, limit), nan_color=STEEL,
-            ambient=0.3, diffuse=0.65,
-            scalar_bar_args={
-                "title": "um" + " " * view, "color": "black", "fmt": "%.3g", "title_font_size": 20,
-                "label_font_size": 18, "width": 0.8, "position_x": 0.1,
-            },
-        )  # fmt: skip
-        plotter.add_text(f"deviation, {text}\n+ material left, - overcut", color="black", font_size=11)
-        look_into_slot(plotter, np.asarray(mesh.center), data, 78.0)
-    plotter.screenshot(str(file))
-
-
 def _turned(polygon: NDArray, start: float, end: float) -> Any:
     """A polygon (radius, z) turned about z from one angle to another [deg], with its end faces."""
     import pyvista as pv
@@ -111,12 +79,12 @@ def _turned(polygon: NDArray, start: float, end: float) -> Any:
     return pv.merge([skin, *ends], merge_points=False)
 
 
-def _draw_blanks(data: dict[str, NDArray], file: Path) -> None:
+def draw_blanks(data: dict[str, NDArray], _: dict[str, Any], file: Path) -> None:
     """Gear and pinion blank in mesh, part of the gear cut away."""
     plotter = plotter_with()
     shade = {"smooth_shading": True, "split_sharp_edges": True}
-    plotter.add_mesh(_turned(data["gear:polygon"], -150.0, 150.0), color=STEEL, **shade)
-    pinion = _turned(data["pinion:polygon"], 0.0, 360.0).rotate_y(90.0, inplace=False)
+    plotter.add_mesh(_turned(data["part:polygon"], -150.0, 150.0), color=STEEL, **shade)
+    pinion = _turned(data["mate:polygon"], 0.0, 360.0).rotate_y(90.0, inplace=False)
     plotter.add_mesh(pinion, color="#d8b26e", **shade)
     plotter.camera_position = [(-160.0, -200.0, -190.0), (0.0, 0.0, 22.0), (0.0, 0.0, -1.0)]
     plotter.camera.zoom(1.0)
@@ -129,7 +97,7 @@ def _add_slot(plotter: Any, surfaces: dict[str, Any], without: str = "") -> None
             plotter.add_mesh(surface, color=STEEL, smooth_shading=True)
 
 
-def _draw_toolpaths(data: dict[str, NDArray], surfaces: dict[str, Any], file: Path) -> None:
+def draw_toolpaths(data: dict[str, NDArray], surfaces: dict[str, Any], file: Path) -> None:
     """Tool axes and tip curves of both passes in the slot, side by side."""
     import pyvista as pv
 
@@ -147,7 +115,7 @@ def _draw_toolpaths(data: dict[str, NDArray], surfaces: dict[str, Any], file: Pa
     plotter.screenshot(str(file))
 
 
-def _draw_envelopes(data: dict[str, NDArray], surfaces: dict[str, Any], file: Path) -> None:
+def draw_envelopes(data: dict[str, NDArray], surfaces: dict[str, Any], file: Path) -> None:
     """Both branches of the cutter flank's untrimmed envelope, one view a pass."""
     plotter = plotter_with(views=2)
     for view, side in enumerate(("convex", "concave")):

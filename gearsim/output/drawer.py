@@ -1,61 +1,58 @@
-"""The drawing process: 3D pictures and tooth.vtp, ``python -m gearsim.output.drawer FOLDER``.
-
-A machine without OpenGL ends that process, not the run; tooth.vtp, which needs none, is written first.
-"""
+"""3D pictures and tooth.vtp, drawn in a process of their own; tooth.vtp, which needs no OpenGL, is written first."""
 
 from __future__ import annotations
 
-import subprocess
-import sys
-from collections.abc import Sequence
+from collections.abc import Callable
 from pathlib import Path
+from typing import Any, NamedTuple
 
-import numpy as np
+import pyvista as pv
+from numpy.typing import NDArray
 
-from gearsim.output.cylindrical.draw import draw_gear
-from gearsim.output.draw import draw_flank_milling, patch_meshes
-from gearsim.output.generating.draw import draw_generating
+from gearsim.output.draw import draw_blanks, draw_envelopes, draw_toolpaths, patch_meshes
+from gearsim.output.draw_swept import draw_swept
+from gearsim.output.draw_tooth import draw_tooth
+from gearsim.output.gear.draw import draw_gear
 from gearsim.output.gouging.draw import draw_surfaces
+from gearsim.output.presenters import collected
+from gearsim.result import Result
 
-DATA = "drawing.npz"
-
-
-def start_drawing(folder: Path) -> subprocess.Popen[str]:
-    """Start drawing what drawing.npz in a folder holds."""
-    command = [sys.executable, "-P", "-m", "gearsim.output.drawer", str(folder)]
-    return subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
+Arrays = dict[str, NDArray]
 
 
-def finish_drawing(process: subprocess.Popen[str], folder: Path, pictures: Sequence[str]) -> list[str]:
-    """Wait for the drawing process; says which of the pictures are missing and why, one line each."""
-    errors = process.communicate()[1]
-    missing = [name for name in pictures if not (folder / name).exists()]
-    if not missing:
-        return []
-    reason = (errors.strip().splitlines() or [f"the drawing process ended with code {process.returncode}"])[-1]
-    return [
-        f"3D pictures ({', '.join(missing)}): {reason}. They need OpenGL without a screen; on Debian or Ubuntu: "
-        "apt-get install libegl1 libgl1-mesa-dri"
-    ]
+class Picture(NamedTuple):
+    """A picture of all those arrays whose names begin with ``needs``, and its caption."""
+
+    file: str
+    needs: str
+    caption: str
+    draw: Callable[[Arrays, dict[str, Any], Path], None]
 
 
-def main(folder: Path) -> None:
-    """Draw everything."""
-    import pyvista as pv
+PICTURES = (
+    Picture("surface.png", "gouge:", "The machined surface under the first tools, with the tool", draw_surfaces),
+    Picture("gear.png", "section:", "The machined gear with its tool, and space 1 coloured by deviation", draw_gear),
+    Picture("tooth.png", "tooth:", "The machined slot among its neighbours, coloured by its deviation", draw_tooth),
+    Picture("envelope.png", "grazing:", "The surfaces with grazing curves, and the tool at both ends", draw_swept),
+    Picture("toolpaths.png", "path:", "Tool axis positions of the finish passes", draw_toolpaths),
+    Picture("envelopes.png", "envelope:", "The cutter's untrimmed envelopes", draw_envelopes),
+    Picture("blanks.png", "mate:", "The blanks of the part and its mate in mesh", draw_blanks),
+)
 
+
+def draw_all(
+    result: Result, folder: Path, formats: tuple[str, ...], tell: Callable[[dict[str, str]], None]
+) -> None:  # fmt: skip
+    """Write tooth.vtp and draw every picture there are arrays for; ``tell`` of their captions before drawing."""
     pv.OFF_SCREEN = True
-    data = dict(np.load(folder / DATA))
+    data: Arrays = {}
+    for arrays in collected(result, "layers"):
+        data |= arrays
     surfaces = patch_meshes(data)
-    pv.merge(list(surfaces.values()), merge_points=False).extract_surface(algorithm=None).save(folder / "tooth.vtp")
-    if "section:y" in data:
-        draw_gear(data, surfaces, folder / "gear.png")
-    elif any(key.startswith("gouge:") for key in data):
-        draw_surfaces(data, surfaces, folder / "surface.png")
-    elif "tool:profile" in data:
-        draw_generating(data, surfaces, folder)
-    else:
-        draw_flank_milling(data, surfaces, folder)
-
-
-if __name__ == "__main__":
-    main(Path(sys.argv[1]))
+    if surfaces:
+        whole = pv.merge(list(surfaces.values()), merge_points=False)
+        whole.extract_surface(algorithm=None).save(folder / "tooth.vtp")
+    pictures = [p for p in PICTURES if any(key.startswith(p.needs) for key in data)]
+    tell({p.file: p.caption for p in pictures})
+    for picture in pictures:
+        picture.draw(data, surfaces, folder / picture.file)

@@ -1,4 +1,4 @@
-"""deviation.exr: one part per flank, float32 channels, rows root to tip, columns toe to heel."""
+"""EXR files: one part a surface, float32 channels on the grid its part describes."""
 
 from __future__ import annotations
 
@@ -7,43 +7,37 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from gearsim.metrology.deviation import Deviation
-from gearsim.metrology.samples import SampleGrid
-from gearsim.result import Result
+import gearsim
 
 UNITS = "mm; channels named .um in micrometres"
 SIGN = "deviation along the outward surface normal; positive = material left, negative = overcut"
+GRID = "row 0 (the picture's top) is the root or lowest end, the last row the tip; column 0 is the toe or first end"
 
 
-def write_exr(parts: dict[str, dict[str, NDArray]], result: Result, file: Path) -> None:
+def header(name: str, frame: str, **more: str) -> dict[str, str]:
+    """What every part says of itself: the scene, units, sign, the frame of its points, how it lies."""
+    return {
+        "scene": name, "units": UNITS, "sign": SIGN, "frame": frame, "grid": GRID, **more,
+        "version": gearsim.__version__,
+    }  # fmt: skip
+
+
+def write_exr(parts: dict[str, dict[str, NDArray]], header: dict[str, str], file: Path) -> None:
     """Write channels, shape (rows, columns), as a multi-part OpenEXR file, one part a surface."""
     import OpenEXR
 
-    header = {
+    shapes = np.array([np.shape(next(iter(channels.values()))) for channels in parts.values()])
+    height, width = (int(n) for n in shapes.max(axis=0))
+    shared = {
+        "displayWindow": ((0, 0), (width - 1, height - 1)),  # all parts of a file share it
         "compression": OpenEXR.ZIP_COMPRESSION,
         "type": OpenEXR.scanlineimage,
-        "gearsim.scene": result.name,
-        "gearsim.units": UNITS,
-        "gearsim.sign": SIGN,
-        "gearsim.version": result.versions["gearsim"],
+        **{f"gearsim.{key}": text for key, text in header.items()},
     }
 
     def part(name: str, channels: dict[str, NDArray]) -> OpenEXR.Part:
         single = {k: np.ascontiguousarray(v, dtype=np.float32) for k, v in channels.items()}
-        return OpenEXR.Part(dict(header), {k: OpenEXR.Channel(v) for k, v in single.items()}, name)
+        return OpenEXR.Part(dict(shared), {k: OpenEXR.Channel(v) for k, v in single.items()}, name)
 
     with OpenEXR.File([part(name, channels) for name, channels in parts.items()]) as out:
         out.write(str(file))
-
-
-def grid_channels(grid: SampleGrid, measured: Deviation, gap_um: NDArray) -> dict[str, NDArray]:
-    """The channels of one surface under one motion; not-measured samples are nan with ``valid`` 0."""
-    channels = {
-        "deviation.um": 1e3 * measured.value,
-        "segment.id": measured.segment,
-        "envelope_gap.um": gap_um,
-        "valid": measured.measured,
-    }
-    for name, vectors in (("P", grid.point), ("N", grid.normal)):
-        channels |= {f"{name}.{axis}": vectors[..., k] for k, axis in enumerate("XYZ")}
-    return channels

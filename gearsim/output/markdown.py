@@ -9,12 +9,13 @@ from typing import Any
 
 _STYLE = """
 body{font:16px/1.5 system-ui,sans-serif;max-width:72rem;margin:2rem auto;padding:0 1rem;color:#1b1f24}
-table{border-collapse:collapse;margin:1rem 0;font-variant-numeric:tabular-nums}
+table{border-collapse:collapse;margin:1rem 0;font-variant-numeric:tabular-nums;display:block;overflow-x:auto}
 td,th{border:1px solid #c8ccd0;padding:.25rem .6rem;text-align:right}
 td:first-child,th:first-child{text-align:left}
 img{max-width:100%;height:auto}
 h1,h2{border-bottom:1px solid #e1e4e8;padding-bottom:.2rem}
-code{background:#f3f4f6;padding:.1rem .25rem}
+code{background:#f3f4f6;padding:.1rem .25rem;overflow-wrap:anywhere}
+@media(max-width:40rem){body{font-size:14px;margin:.6rem auto;padding:0 .6rem}td,th{padding:.2rem .35rem}}
 """
 
 
@@ -27,7 +28,7 @@ def write_report(text: str, title: str, folder: Path) -> None:
 def verdict(report: dict[str, Any]) -> str:
     """The verdict in a few words."""
     return {
-        "pass": "**PASS**: every measured deviation is within tolerance",
+        "pass": "**PASS**: every judged deviation is within tolerance",
         "fail": "**FAIL**: out of tolerance, see the findings",
         "unchecked": f"**UNCHECKED**: {report['status']}",
     }[report["verdict"]]
@@ -43,11 +44,11 @@ def not_drawn(missing: list[str]) -> str:
     return "".join(f"\n*Not drawn: {reason}*\n" for reason in missing)
 
 
-def provenance(report: dict[str, Any], files: str) -> str:
+def provenance(report: dict[str, Any], files: list[str]) -> str:
     """What was computed, by what, and what else the folder holds."""
     counts, timings = report["counts"], report["timings_s"]
     lines = [
-        f"Files: {files}.",
+        f"Files: {', '.join(f'`{name}`' for name in files)}.",
         f"{counts['rays']:,} rays, {counts['segments']:,} segments, {counts['pairs']:,} swept ray-segment pairs "
         f"({counts['candidates']:,} looked at), device {report['device']}.",
         "Seconds: " + ", ".join(f"{k} {v:.2f}" for k, v in timings.items()) + ".",
@@ -116,6 +117,7 @@ def _html(text: str, folder: Path, title: str) -> str:
 
     body = re.sub(r'src="([\w.-]+\.png)"', inline, body)
     return (
-        f'<!doctype html><html lang="en"><head><meta charset="utf-8"><title>gearsim: {title}</title>'
+        '<!doctype html><html lang="en"><head><meta charset="utf-8">'
+        f'<meta name="viewport" content="width=device-width,initial-scale=1"><title>gearsim: {title}</title>'
         f"<style>{_STYLE}</style></head><body>{body}</body></html>\n"
     )

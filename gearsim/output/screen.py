@@ -12,20 +12,8 @@ from rich.markup import escape
 from rich.progress import BarColumn, Progress, SpinnerColumn, TaskID, TextColumn, TimeElapsedColumn
 from rich.table import Table
 
-from gearsim.metrology.deviation import Deviation
-from gearsim.metrology.dexel_check import DexelResult
-from gearsim.metrology.roads import RoadGap
-from gearsim.output.cylindrical.words import size
-from gearsim.output.gouging.screen import print_gouging
-from gearsim.result import (
-    FlankMillingResult,
-    GearResult,
-    GeneratingResult,
-    GougeExampleResult,
-    Result,
-    SculpturedResult,
-)
-from gearsim.surfaces.cylindrical_gear import SIDES
+from gearsim.output.presenters import collected
+from gearsim.result import Result
 
 _CONSOLE = Console(highlight=False, width=None if sys.stdout.isatty() else 110)
 _WIDE = 200  # of a table with many columns, written to a file
@@ -63,27 +51,21 @@ class ScreenProgress:
 
 def print_result(result: Result, out: Path, missing: list[str]) -> None:
     """The figures a user wants first."""
-    if isinstance(result, GearResult):
-        _print_parameters(result)
-    if isinstance(result, SculpturedResult | GougeExampleResult):
-        print_gouging(result, _CONSOLE)
-    else:
-        _print_deviations(result)
+    collected(result, "screen", _CONSOLE)
     for f in result.findings:
         place = ", ".join(f"{x:.2f}" for x in f.place_mm)
         flag = "[bold red]FAILS[/] " if f.fails else ""
         depth = "" if f.depth_um is None else f"{f.depth_um:.1f} um "
         _CONSOLE.print(f"{flag}{f.kind}: {f.text}: {depth}at ({place}) mm")
-    if isinstance(result, FlankMillingResult):
-        for note in result.notes:
-            _CONSOLE.print(f"[bold yellow]note[/] CL file: {escape(note)}", soft_wrap=True)
+    for note in result.job.notes:
+        _CONSOLE.print(f"[bold yellow]note[/] {escape(note)}", soft_wrap=True)
     for reason in missing:
-        _CONSOLE.print(f"[bold yellow]not drawn[/] {reason}")
+        _CONSOLE.print(f"[bold yellow]not drawn[/] {escape(reason)}")
     t, counts = result.timings_s, result.counts
     rate = counts["pairs"] / max(t["kernel"], 1e-9) / 1e6
     if counts["rays"]:
         _CONSOLE.print(
-            f"{counts['rays']:,} rays x {counts['segments']} segments, {counts['pairs']:,} pairs in "
+            f"{counts['rays']:,} rays x {counts['segments']:,} segments, {counts['pairs']:,} pairs in "
             f"{t['kernel']:.2f} s ({rate:.2f} M pairs/s) on {result.device}; {t['total']:.1f} s in all."
         )
     style = {"pass": "bold green", "fail": "bold red", "unchecked": "bold magenta"}[result.verdict]
@@ -91,64 +73,12 @@ def print_result(result: Result, out: Path, missing: list[str]) -> None:
     _CONSOLE.print(f"verdict: [{style}]{result.verdict}[/]{detail}   report: {out / 'report.html'}", soft_wrap=True)
 
 
-def _print_parameters(result: GearResult) -> None:
-    """Parameters of ISO 1328-1 by side, beside their tolerances."""
-    inspection = result.inspection
-    table = Table(title=f"{result.name}: ISO 1328-1:2013, transverse, class {inspection.gear_class} asked for")
-    table.add_column("parameter")
-    for head in (*(f"{side} flanks" for side in SIDES), "tolerance", "class achieved"):
-        table.add_column(head, justify="right")
-    for row in inspection.rows():
-        style = "" if row.within or row.incomplete else "bold red"
-        achieved = row.achieved or (f"{row.incomplete} missing" if row.incomplete else "beyond 11")
-        values = [size(row.value_um[side]) for side in SIDES]
-        table.add_row(row.parameter, *values, f"{row.tolerance_um:g} µm", str(achieved), style=style)
-    _CONSOLE.print(table)
-
-
-def _print_deviations(result: Result) -> None:
-    """Deviations by surface and motion, and how well the roads agree."""
-    table = Table(title=f"{result.name}: deviation in um, + material left, - overcut")
-    for head in ("flank and motion", "min", "max", "mean", "rms"):
-        table.add_column(head, justify="left" if head.startswith("flank") else "right")
-    rows, gaps, dexels = _figures(result)
-    for name, deviation in rows.items():
-        um = deviation.summary_um()
-        table.add_row(name, *(_um(um[k]) for k in ("min", "max", "mean", "rms")))
-    _CONSOLE.print(table)
-    third = f"; {dexels.checked:,} tri-dexel ends to {1e3 * dexels.check_um:.2g} nm" if dexels else ""
-    largest = 1e3 * max((g.max_um for g in gaps), default=0.0)
-    _CONSOLE.print(
-        f"Two roads agree to {largest:.2g} nm over {sum(g.valid for g in gaps):,} samples "
-        f"({sum(g.excluded for g in gaps)} excluded){third}."
-    )
-
-
-def _figures(result: Result) -> tuple[dict[str, Deviation], list[RoadGap], DexelResult | None]:
-    if isinstance(result, FlankMillingResult):
-        named = {
-            f"{side}: {name}": deviation
-            for side, flank in result.flanks.items()
-            for name, deviation in (
-                ("own pass, continuous", flank.own),
-                ("own pass, CL data", flank.own_cl),
-                ("all passes", flank.all_passes),
-            )
-            if deviation is not None
-        }
-        gaps = [g for f in result.flanks.values() for g in (f.gap, f.gap_cl) if g is not None]
-        return named, gaps, result.dexels
-    assert isinstance(result, GeneratingResult | GearResult)
-    surfaces = (result.maps if isinstance(result, GearResult) else result.surfaces).items()
-    named = {f"{side}: {name}": d for side, s in surfaces for name, d in s.deviations.items()}
-    return named, [g for _, s in surfaces for g in s.gaps.values()], result.dexels
-
-
 def print_estimate(name: str, estimate: dict[str, float]) -> None:
     """What a run would do."""
     _CONSOLE.print(
-        f"{name}: {estimate['rays']:,.0f} rays, {estimate['segments']:,.0f} segments, "
-        f"about {estimate['memory_mb']:,.0f} MB and {estimate['seconds']:,.0f} s on two CPU cores; nothing was cut."
+        f"{name}: {estimate['rays']:,.0f} rays and those that follow from what they find, "
+        f"{estimate['segments']:,.0f} segments, about {estimate['memory_mb']:,.0f} MB and "
+        f"{estimate['seconds']:,.0f} s on two CPU cores; nothing was cut."
     )
 
 
@@ -169,9 +99,3 @@ def _figure(x: Any) -> str:
     if isinstance(x, float):
         return f"{x:,.3g}" if abs(x) < 1000.0 else f"{x:,.0f}"
     return f"{x:,}" if isinstance(x, int) else str(x)
-
-
-def _um(x: float | int | None) -> str:
-    if x is None:
-        return "-"
-    return f"{x:.1f}" if abs(x) >= 100.0 else f"{x:.4f}" if abs(x) >= 5e-5 else "0"

@@ -1,122 +1,76 @@
-"""Write everything a run leaves behind into a folder."""
+"""Write everything a run leaves behind into a folder: one writer, whatever was made and measured."""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
-from gearsim.output import charts, report
-from gearsim.output.cylindrical import charts as cylindrical_charts
-from gearsim.output.cylindrical import drawing as cylindrical_drawing
-from gearsim.output.cylindrical import report as cylindrical_report
-from gearsim.output.cylindrical import summary as cylindrical_summary
-from gearsim.output.cylindrical.maps import map_channels, map_columns
-from gearsim.output.drawer import DATA, finish_drawing, start_drawing
-from gearsim.output.drawing import write_drawing
-from gearsim.output.exr import grid_channels, write_exr
-from gearsim.output.generating import charts as generating_charts
-from gearsim.output.generating import drawing as generating_drawing
-from gearsim.output.generating import report as generating_report
-from gearsim.output.generating import summary as generating_summary
-from gearsim.output.generating.maps import surface_channels, surface_columns
-from gearsim.output.gouging import report as gouging_report
-from gearsim.output.gouging import summary as gouging_summary
-from gearsim.output.gouging.write import write_examples, write_sculptured
+import numpy as np
+from numpy.typing import NDArray
+
+from gearsim.output.exr import header, write_exr
 from gearsim.output.markdown import write_report
+from gearsim.output.painting import Painters
+from gearsim.output.presenters import collected
+from gearsim.output.report import report_text
 from gearsim.output.summary import summary, write_json
-from gearsim.output.table import flank_columns, write_parquet
-from gearsim.result import (
-    FlankMillingResult,
-    GearResult,
-    GeneratingResult,
-    GougeExampleResult,
-    Result,
-    SculpturedResult,
-)
+from gearsim.output.table import write_parquet
+from gearsim.result import Result
 
 
-def write_result(result: Result, stage: Path) -> list[str]:
-    """Write all files of a run into a scratch folder; returns what could not be drawn, one line each."""
-    if isinstance(result, FlankMillingResult):
-        return _write_flank_milling(result, stage)
-    if isinstance(result, GearResult):
-        return _write_gear(result, stage)
-    if isinstance(result, SculpturedResult):
-        return _write_sculptured(result, stage)
-    if isinstance(result, GougeExampleResult):
-        return _write_examples(result, stage)
-    assert isinstance(result, GeneratingResult)
-    return _write_generating(result, stage)
+@dataclass(frozen=True)
+class Wanted:
+    """What to write: pictures or none, and in which ``formats`` beside PNG (svg, pdf)."""
+
+    pictures: bool = True
+    formats: tuple[str, ...] = ()
 
 
-def _write_flank_milling(result: FlankMillingResult, stage: Path) -> list[str]:
-    write_drawing(result, stage / DATA)
-    drawing = start_drawing(stage)
-    parts = {str(s): grid_channels(f.grid, f.all_passes, f.gap_cl.gap_um) for s, f in result.flanks.items()}
-    write_exr(parts, result, stage / "deviation.exr")
-    write_parquet([flank_columns(result, f) for f in result.flanks.values()], result, stage / "samples.parquet")
-    (stage / "toolpath.cl").write_text(result.cl_text, encoding="utf-8")
-    if result.nc_text:
-        (stage / "program.nc").write_text(result.nc_text, encoding="ascii")
-    charts.draw_deviation(result, stage / "deviation.png")
-    charts.draw_profile(result, stage / "profile.png")
-    missing = finish_drawing(drawing, stage, list(report.PICTURES))
+def write_result(
+    result: Result, stage: Path, wanted: Wanted = Wanted(), painters: Painters | None = None
+) -> list[str]:  # fmt: skip
+    """Write all files of a run into a scratch folder; returns what could not be drawn, one line each.
+
+    ``painters`` are the drawing processes, where they were started ahead of time.
+    """
+    painters = painters or (Painters() if wanted.pictures else None)
+    if painters is not None:
+        painters.draw(result, stage, wanted.formats)
+    _write_data(result, stage)
+    captions, missing = painters.finish() if painters is not None else ({}, [])
     figures = summary(result)
-    text = report.flank_milling_report(figures, _drawn(stage), missing)
-    return _write_figures(figures, text, missing, stage)
-
-
-def _write_generating(result: GeneratingResult, stage: Path) -> list[str]:
-    generating_drawing.write_drawing(result, stage / DATA)
-    drawing = start_drawing(stage)
-    parts = {name: surface_channels(result, s) for name, s in result.surfaces.items()}
-    write_exr(parts, result, stage / "deviation.exr")
-    write_parquet([surface_columns(result, s) for s in result.surfaces.values()], result, stage / "samples.parquet")
-    for name, text in result.programs.items():
-        (stage / name).write_text(text, encoding="utf-8")
-    generating_charts.draw_deviations(result, stage / "deviation.png")
-    generating_charts.draw_axes(result, stage / "axes.png")
-    expected = ["envelope.png"] + (["slot.png"] if result.dexels else [])
-    missing = finish_drawing(drawing, stage, expected)
-    figures = generating_summary.summary(result)
-    text = generating_report.generating_report(figures, list(result.programs), _drawn(stage), missing)
-    return _write_figures(figures, text, missing, stage)
-
-
-def _write_gear(result: GearResult, stage: Path) -> list[str]:
-    cylindrical_drawing.write_drawing(result, stage / DATA)
-    drawing = start_drawing(stage)
-    parts = {side: map_channels(surface) for side, surface in result.maps.items()}
-    write_exr(parts, result, stage / "deviation.exr")
-    write_parquet([map_columns(surface) for surface in result.maps.values()], result, stage / "samples.parquet")
-    (stage / "program.nc").write_text(result.program, encoding="utf-8")
-    cylindrical_charts.draw_charts(result, stage)
-    missing = finish_drawing(drawing, stage, ["gear.png"])
-    figures = cylindrical_summary.summary(result)
-    text = cylindrical_report.gear_report(figures, _drawn(stage), missing)
-    return _write_figures(figures, text, missing, stage)
-
-
-def _write_sculptured(result: SculpturedResult, stage: Path) -> list[str]:
-    missing = write_sculptured(result, stage)
-    figures = gouging_summary.summary(result)
-    text = gouging_report.sculptured_report(figures, _drawn(stage), missing)
-    return _write_figures(figures, text, missing, stage)
-
-
-def _write_examples(result: GougeExampleResult, stage: Path) -> list[str]:
-    captions = write_examples(result, stage)
-    figures = gouging_summary.summary(result)
-    return _write_figures(figures, gouging_report.examples_report(figures, captions), [], stage)
-
-
-def _drawn(stage: Path) -> list[str]:
-    return sorted(file.name for file in stage.glob("*.png"))
-
-
-def _write_figures(figures: dict[str, Any], text: str, missing: list[str], stage: Path) -> list[str]:
-    (stage / DATA).unlink(missing_ok=True)
     figures["not_drawn"] = missing
-    write_report(text, figures["scene"]["scene"]["name"], stage)
+    text = report_text(result, figures, captions, _names(stage))
+    write_report(text, result.name, stage)
     write_json(figures, stage / "report.json")
     return missing
+
+
+def _write_data(result: Result, stage: Path) -> None:
+    main = f"deviation.um and segment.id are under {result.job.main}; NAME.deviation.um under NAME"
+    for name, parts in _maps(result).items():
+        write_exr(parts, header(result.name, result.frame, program=main), stage / name)
+    tables = [table for tables in collected(result, "rows") for table in tables]
+    for more in collected(result, "columns"):
+        for table in tables:
+            table |= {name: np.ravel(values) for name, values in more.get(str(table["surface"][0]), {}).items()}
+    if tables:
+        write_parquet(tables, result, stage / "samples.parquet")
+    for name, text in result.job.files.items():
+        (stage / name).write_text(text, encoding="utf-8")
+
+
+def _maps(result: Result) -> dict[str, dict[str, dict[str, NDArray]]]:
+    """The channels that all presenters give, by file and part."""
+    files: dict[str, dict[str, dict[str, NDArray]]] = {}
+    for given in collected(result, "maps"):
+        for file, parts in given.items():
+            for part, channels in parts.items():
+                files.setdefault(file, {}).setdefault(part, {}).update(channels)
+    return files
+
+
+def _names(stage: Path) -> list[str]:
+    names: Sequence[str] = [f.name for f in stage.iterdir() if not f.name.startswith("_")]
+    return sorted([*names, "report.json"])

@@ -1,5 +1,6 @@
 """Scenes: TOML files turned into the dataclasses of the other rooms, with every mistake told at once."""
 
+from gearsim.scene.any_program import ProgramScene
 from gearsim.scene.flank_milling import FlankMillingScene
 from gearsim.scene.generated import EnvelopeScene, FaceMillingScene, GeneratedScene, HypoidScene
 from gearsim.scene.generation_milling import GenerationMillingScene
@@ -15,6 +16,7 @@ __all__ = [
     "GenerationMillingScene",
     "GougeExampleScene",
     "HypoidScene",
+    "ProgramScene",
     "Scene",
     "SculpturedScene",
     "check_scene",

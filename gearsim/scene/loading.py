@@ -7,12 +7,13 @@ from collections.abc import Sequence
 from difflib import get_close_matches
 from importlib.resources import files
 from math import degrees
-from pathlib import Path
+from pathlib import Path, PurePath
 from typing import Any, get_args
 
 from pydantic import ValidationError
 
 from gearsim.errors import InputError, read_input
+from gearsim.scene.any_program import GCODE, ProgramScene
 from gearsim.scene.flank_milling import FlankMillingScene
 from gearsim.scene.generated import EnvelopeScene, FaceMillingScene, HypoidScene
 from gearsim.scene.generation_milling import GenerationMillingScene
@@ -29,6 +30,10 @@ SCENES: dict[str, type[Scene]] = {
     "nurbs": SculpturedScene,
     "gouge-example": GougeExampleScene,
 }
+
+
+_CL_READERS = ("ruled-bevel", "face-milled-flank")
+_ANY = (*_CL_READERS, "cylindrical-gear", "nurbs")
 
 
 def scene_names() -> dict[str, str]:
@@ -101,7 +106,17 @@ def _model(data: dict[str, Any], label: str) -> type[Scene]:
         near = get_close_matches(str(kind), SCENES, n=1, cutoff=0.4)
         hint = f"did you mean {near[0]!r}?" if near else f"there are {', '.join(SCENES)}"
         raise _input_error(label, [f"surface.kind: {'missing' if kind is None else f'got {kind!r}'}; {hint}"])
-    return SCENES[kind]
+    return ProgramScene if _own_program(kind, data) else SCENES[kind]
+
+
+def _own_program(kind: str, data: dict[str, Any]) -> bool:
+    """Whether the toolpath is a file that scenes of the surface's own kind do not read."""
+    table = data.get("toolpath")
+    if kind not in _ANY or not isinstance(table, dict):
+        return False
+    file = table.get("file")
+    gcode = isinstance(file, str) and PurePath(file).suffix.lower() in GCODE
+    return table.get("kind") == "program" or gcode or (file is not None and kind not in _CL_READERS)
 
 
 def _input_error(label: str, problems: list[str]) -> InputError:

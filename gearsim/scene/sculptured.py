@@ -13,8 +13,8 @@ from pydantic import Field, model_validator
 
 from gearsim.cutters.profile import Profile
 from gearsim.errors import InputError
+from gearsim.gouging.khan.worked_sections import SECTIONS
 from gearsim.gouging.standard_mills import khan_mills, metric_mills, ranked
-from gearsim.gouging.worked_sections import SECTIONS
 from gearsim.scene.catalogue import AnyCutter
 from gearsim.scene.tables import Count, Length, LengthOrZero, Scene, Table
 from gearsim.surfaces.nurbs import NurbsSurface

@@ -176,9 +176,8 @@ def cut_jobs(
     rings = [[i] for i, job in enumerate(jobs) if job.cutter.is_ring]
     done: dict[int, Removal] = {}
     for batch in [convex, *rings] if convex else rings:
-        prepare(device, jobs[batch[0]].cutter.is_ring)
-        launches = _Launches([jobs[i] for i in batch], device, tolerance, slots)
-        results = launches.run(threads or os.cpu_count() or 1, progress or (lambda n: None))
+        loaded = Loaded([(jobs[i].table, jobs[i].cutter) for i in batch], device, tolerance, slots)
+        results = loaded.cut([(jobs[i].rays, k) for k, i in enumerate(batch)], threads, progress)
         done.update(zip(batch, results, strict=True))
     return [done[i] for i in range(len(jobs))]
 
@@ -205,42 +204,50 @@ def _whole(tiles: list[_Tile]) -> _Tile:
     )
 
 
-class _Launches:
-    """Device copies of the motions and cutters of some jobs, and the launches over tiles of all their rays.
+class Loaded:
+    """Motions of cutters on a device, each with its own table, to cut rays by as often as wanted.
 
-    All jobs have convex cutters, or there is one, of a ring.
+    All cutters are convex, or there is one, a ring.
     """
 
-    def __init__(self, jobs: list[Job], device: str, tolerance: float, slots: int):
-        self.jobs, self.device, self.slots = jobs, device, slots
-        cutters = [job.cutter for job in jobs]
-        motion = motion_data(join([job.table for job in jobs]), device)
-        self.ring = cutters[0].is_ring
+    def __init__(self, motions: Sequence[tuple[SegmentTable, Profile]], device: str, tolerance: float, slots: int):
+        if slots < 1 or not tolerance > 0.0:
+            raise InputError(f"slots and tolerance must be positive, got {slots} and {tolerance:g}")
+        tables, cutters = [table for table, _ in motions], [cutter for _, cutter in motions]
+        self.device, self.slots, self.ring = device, slots, cutters[0].is_ring
+        self.first_row = np.cumsum([0, *map(len, tables)])
+        prepare(device, self.ring)
+        motion = motion_data(join(tables), device)
         if self.ring:
-            bounds = segment_bounds(jobs[0].table, cutters[0])
+            bounds = segment_bounds(tables[0], cutters[0])
             self.bvh = wp.Bvh(*(wp.array(b, dtype=wp.vec3, device=device) for b in bounds))
-            extent = float(np.abs(jobs[0].table.tip).sum(axis=1).max(initial=0.0))
+            extent = float(np.abs(tables[0].tip).sum(axis=1).max(initial=0.0))
             self.kernel, tool = ring_kernels.cut_rays_by_ring, [ring_data(cutters[0], extent, device), motion]
         else:
-            groups = [row_groups(job.table, job.cutter) for job in jobs]
+            groups = [row_groups(table, cutter) for table, cutter in motions]
             self.bvh = grouped_bvh(groups, device)
             self.kernel, tool = kernels.cut_rays, [cutter_data(cutters, device), motion, group_data(groups, device)]
         self.inputs = [*tool, self.bvh.id, tolerance]
 
-    def run(self, threads: int, progress: Callable[[int], None]) -> list[Removal]:
-        """Cut all rays, tile by tile, and give every job what is its own."""
-        rays = join_rays([job.rays for job in self.jobs])
-        number = np.repeat(np.arange(len(self.jobs)), [len(job.rays) for job in self.jobs])
+    @_memory_errors()
+    def cut(
+        self, asked: Sequence[tuple[RayBundle, int]], threads: int | None = None,
+        progress: Callable[[int], None] | None = None,
+    ) -> list[Removal]:  # fmt: skip
+        """What motions, each given by its place in the list, remove from bundles of rays, all in one go."""
+        rays = join_rays([bundle for bundle, _ in asked])
+        number = np.repeat([motion for _, motion in asked], [len(bundle) for bundle, _ in asked])
         step = tile_rays(self.slots)
         tiles = [slice(begin, begin + step) for begin in range(0, max(len(rays), 1), step)]
+        threads, progress = threads or os.cpu_count() or 1, progress or (lambda n: None)
         whole = _whole([self._cut(rays.part(tile), number[tile], threads, progress) for tile in tiles])
-        results, ray, row = [], 0, 0
-        for job in self.jobs:
-            end = ray + len(job.rays)
+        results, ray = [], 0
+        for bundle, motion in asked:
+            end = ray + len(bundle)
             candidates, pairs = (int(c[ray:end].sum(dtype=np.int64)) for c in (whole.candidates, whole.pairs))
-            removed = whole.removed.part(ray, end, row)
+            removed = whole.removed.part(ray, end, int(self.first_row[motion]))
             results.append(Removal(removed, candidates, pairs, whole.status[ray:end], whole.kernel_s))
-            ray, row = end, row + len(job.table)
+            ray = end
         return results
 
     def _cut(self, rays: RayBundle, number: NDArray, threads: int, progress: Callable[[int], None]) -> _Tile:

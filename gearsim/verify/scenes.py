@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from gearsim.motion.sources import CLMotion, CurveMotion
+from gearsim.processes.run import plan
 from gearsim.programs.cldata import RAPID, check_cutter, parse_cl, read_cl_text
 from gearsim.scene import (
     EnvelopeScene,
@@ -51,10 +52,8 @@ def _numbered(names: list[str]) -> str:
 
 def _envelope(scene: EnvelopeScene, _: Path) -> list[ClosedForm]:
     """The cutter's envelopes under the program as theory, CL data and both ways of interpolating see it."""
-    from gearsim.generating.envelope import plan_envelope
-
-    (cut,) = plan_envelope(scene).cuts
-    return [form for name, source in cut.sources.items() for form in envelope_forms(source, cut.cutter, name)]
+    job = plan(scene)
+    return [f for v in job.variants for source in v.motions() for f in envelope_forms(source, v.cutter, v.name)]
 
 
 def _face_milling(scene: FaceMillingScene, _: Path) -> list[ClosedForm]:

@@ -6,7 +6,7 @@ from math import cos, radians, sin
 import numpy as np
 import pytest
 
-from gearsim.cutters.catalogue import apt, conical, face_mill_head, grinding_wheel
+from gearsim.cutters.catalogue import apt, ball, conical, face_mill_head, grinding_wheel
 from gearsim.envelope import envelope_grid, machined_along
 from gearsim.envelope.candidates import Kind
 from gearsim.envelope.surface import arc_jet, disc_jet, envelope_points, line_jet
@@ -332,3 +332,11 @@ def test_a_short_chord_through_the_standing_tool_is_not_missed():
 def test_opposite_axes_are_refused_with_a_reason():
     with pytest.raises(InputError, match=r"CL points 1 and 2 have opposite tool axes.*put a point between them"):
         path([[0, 0, 0], [10, 0, 0]], [LEAN, -LEAN])
+
+
+def test_no_rays_meet_nothing():
+    motion = CLMotion(np.array([[0.0, 0.0, 0.0], [9.0, 0.0, 0.0]]), np.tile([0.0, 0.0, 1.0], (2, 1)))
+    none = RayBundle(np.empty((0, 3)), np.empty((0, 3)), np.empty(0), np.empty(0))
+    road = machined_along(none, [motion], ball(6.0, 20.0))
+    assert len(road.deviation) == len(road.kind) == 0
+    assert not road.valid.any()

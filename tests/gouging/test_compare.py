@@ -7,8 +7,8 @@ from hypothesis import strategies as st
 
 from gearsim.cutters.contact import end_mill_contact
 from gearsim.geometry.jets import SurfaceJet
-from gearsim.gouging.cases import CASES, case_numbers
 from gearsim.gouging.compare import Decision, compare, compare_contact
+from gearsim.gouging.khan.cases import CASES, case_numbers
 from gearsim.gouging.surface import surface_contacts
 from gearsim.gouging.tensors import Tensor, principal_tensor
 

@@ -6,7 +6,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from gearsim.bench.gouging import waves
-from gearsim.gouging.khan_sizes import beside_best
+from gearsim.gouging.khan.sizes import beside_best
 from gearsim.gouging.sizes import largest_ball, largest_mills, largest_shank, least_difference
 from gearsim.gouging.standard_mills import khan_mills, metric_mills, ranked
 from gearsim.gouging.surface import largest_mill_map, surface_contacts

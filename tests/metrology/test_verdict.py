@@ -6,7 +6,10 @@ import numpy as np
 import pytest
 
 from gearsim.metrology.deviation import Crossing, Deviation
-from gearsim.metrology.verdict import no_witness, not_compared, untouched
+from gearsim.metrology.findings import Finding
+from gearsim.metrology.inspection import Reading
+from gearsim.metrology.verdict import no_witness, not_compared, untouched, verdict
+from gearsim.surfaces.part import Intended, Part, Tolerance
 
 UNCUT, MEASURED, THROUGH, ABSENT = (
     int(c) for c in (Crossing.UNCUT, Crossing.MEASURED, Crossing.THROUGH, Crossing.ABSENT)
@@ -37,5 +40,42 @@ def test_roads_compare_something_where_one_sample_is_valid(valid, silent):
 
 
 def test_a_tri_dexel_without_an_end_near_a_flank_is_no_witness():
-    assert no_witness(SimpleNamespace(checked=1)) == []
-    assert "no cut end of the tri-dexel" in no_witness(SimpleNamespace(checked=0))[0]
+    assert no_witness(1, 0.0) == []
+    assert no_witness(1, 1e-3) == []
+    assert "differs from the rays by 0.0011 um" in no_witness(1, 1.1e-3)[0]
+    assert "no cut end of the tri-dexel" in no_witness(0, 0.0)[0]
+
+
+PART = Part("frame", None, {"a": Intended(None, Tolerance.both(1.0)), "b": Intended(None)})
+
+
+def finding(fails):
+    return Finding("out_of_tolerance", "a", 2.0, (0.0, 0.0, 0.0), None, None, fails, "")
+
+
+@pytest.mark.parametrize(
+    ("readings", "expected", "reason"),
+    [
+        ([], "unchecked", "nothing was judged"),
+        ([Reading()], "unchecked", "nothing was judged"),
+        ([Reading(judged=("b",))], "unchecked", "a was not measured"),
+        ([Reading(judged=("a",))], "pass", "OK"),
+        ([Reading(judged=("a",)), Reading(findings=(finding(False),))], "pass", "OK"),
+        ([Reading(judged=("a",), findings=(finding(True),))], "fail", "OK"),
+        ([Reading(judged=("a",), findings=(finding(True),), doubts=("x", "x"))], "unchecked", "x"),
+    ],
+)
+def test_a_verdict_rests_on_what_was_judged_and_nothing_in_doubt(readings, expected, reason):
+    judged, status = verdict(PART, readings)
+    assert judged == expected
+    assert status.startswith(reason)
+    assert status.count("x") <= 1
+
+
+@pytest.mark.parametrize(
+    ("overcut", "excess", "um", "inside"),
+    [(1.0, 1.0, 1.0, True), (1.0, 1.0, -1.0, True), (1.0, 1.0, 1.0 + 1e-15, False), (1.0, 1.0, 1.1, False),
+     (1.0, np.inf, 1e9, True), (1.0, np.inf, -1.1, False), (0.0, 0.0, 0.0, True), (0.0, 0.0, -1e-300, False)],
+)  # fmt: skip
+def test_a_tolerance_holds_at_its_very_ends(overcut, excess, um, inside):
+    assert Tolerance(overcut, excess).allows(um) == inside

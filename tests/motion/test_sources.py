@@ -79,3 +79,18 @@ def test_a_curve_is_scaled_to_its_range():
     pose = CurveMotion(curve, 2.0, 6.0).pose(np.zeros(1, dtype=int), np.array([0.25]), 2)
     tip = [d[0] for d in pose.tip.derivatives()]
     assert np.allclose(tip, [[3, 9, 1], [4, 24, 0], [0, 32, 0]])
+
+
+@pytest.mark.parametrize(
+    ("tips", "axes", "message"),
+    [
+        (np.zeros((2, 3)), np.tile([0.0, 0.0, 2.0], (2, 1)), "CL point 1: .* unit axis"),
+        (np.zeros((2, 3)), np.array([[0.0, 0.0, 1.0], [0.0, 0.0, 0.0]]), "CL point 2: .* unit axis"),
+        (np.array([[0.0, 0.0, 0.0], [np.inf, 0.0, 0.0]]), np.tile([0.0, 0.0, 1.0], (2, 1)), "CL point 2: .* finite"),
+        (np.zeros((2, 2)), np.zeros((2, 2)), r"expected \(n, 3\) both"),
+        (np.zeros((3, 3)), np.tile([0.0, 0.0, 1.0], (2, 1)), r"expected \(n, 3\) both"),
+    ],
+)
+def test_points_that_are_none_are_refused_by_number(tips, axes, message):
+    with pytest.raises(InputError, match=message):
+        CLMotion(tips, axes)

@@ -2,7 +2,7 @@ import pytest
 
 from gearsim.output.files import staged
 from gearsim.output.write import write_result
-from gearsim.runner import run
+from gearsim.processes.run import run
 
 SMALL = (
     "metrology.rows=5", "metrology.columns=17", "metrology.convergence=[9, 17]", "simulation.dexel_pitch_mm=0.6",

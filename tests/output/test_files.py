@@ -9,42 +9,59 @@ import numpy as np
 import pytest
 
 from gearsim.errors import InputError
+from gearsim.metrology.grid import DENSE
 from gearsim.output.files import staged
-from gearsim.output.report import PICTURES
+from gearsim.surfaces.patch import SIDES
 
-FILES = {
-    "report.json", "report.md", "report.html", "deviation.exr", "deviation.png", "profile.png", "tooth.vtp",
-    "samples.parquet", "toolpath.cl", "program.nc", "slot.png", "blanks.png", "toolpaths.png", "envelopes.png",
+PICTURES = {
+    "tooth.png",
+    "inspection.png",
+    "blanks.png",
+    "toolpaths.png",
+    "envelopes.png",
+    "deviation.png",
+    "mean-profile.png",
+}
+FILES = PICTURES | {
+    "report.json", "report.md", "report.html", "deviation.exr", "tooth.vtp",
+    "samples.parquet", "toolpath.cl", "program.nc",
 }  # fmt: skip
 
 
 def test_a_run_leaves_exactly_these_files(folder):
     assert {f.name for f in folder.iterdir()} == FILES
-    assert set(PICTURES) <= FILES
 
 
 def test_report_json_holds_the_promised_keys(folder):
     report = json.loads((folder / "report.json").read_text())
-    assert report["schema_version"] == 1
+    assert report["schema_version"] == 2
     assert report["verdict"] == "pass"
     assert report["device"] == "cpu"
     assert report["status"] == "OK"
     assert set(report["timings_s"]) >= {"compile", "plan", "kernel", "total"}
     assert all(report["counts"][k] > 0 for k in ("rays", "segments", "pairs"))
+    assert report["program"] == "program"
+    assert set(report["measurements"]) == {*report["surfaces"], "part"}
     for side in ("convex", "concave"):
-        flank = report["flanks"][side]
-        for key in ("own_pass", "own_pass_cl", "all_passes"):
-            assert set(flank[key]["deviation_um"]) >= {"min", "max", "mean", "rms"}
-        for key in ("envelope_gap_um", "envelope_gap_cl_um"):
-            assert flank[key]["max"] <= 0.001
-            assert (flank[key]["valid"], flank[key]["excluded"]) == (85, 0)
-        assert np.shape(flank["grid_um"]) == (5, 9)
-        assert list(flank["profile_um"]) == [f"L{i}" for i in range(7)]
-        assert abs(flank["profile_um"]["L0"]) < 1e-5
-        assert len(flank["profile_inplane_um"]) == 7
-        assert flank["published_profile_um"]["L6"] < 0.0
-        assert flank["convergence"]["points"] == [9, 17]
-        assert flank["convergence"]["order"] == pytest.approx(2.0, abs=0.1)
+        assert report["surfaces"][side] == {"overcut_tolerance_um": 5.0, "excess_tolerance_um": 5.0}
+        flank = report["measurements"][side]
+        for variant in ("theory", "own_pass", "program"):
+            assert variant in report["variants"]
+            assert set(flank[variant]["dense_grid"]["deviation_um"]) >= {"min", "max", "mean", "rms"}
+        for variant in ("theory", "own_pass"):
+            gap = flank[variant]["dense_grid"]["envelope_gap_um"]
+            assert gap["max"] <= 0.001
+            assert (gap["valid"], gap["excluded"]) == (85, 0)
+        assert flank["program"]["dense_grid"]["envelope_gap_um"] is None
+        assert np.shape(flank["program"]["inspection_grid"]["topography"]["as_cut_um"]) == (5, 9)
+        profile = flank["theory"]["mean_profile"]
+        assert list(profile["normal_um"]) == [f"L{i}" for i in range(7)]
+        assert abs(profile["normal_um"]["L0"]) < 1e-5
+        assert len(profile["in_plane_um"]) == 7
+        assert profile["published_um"]["L6"] < 0.0
+        assert flank["own_pass"]["convergence"]["points"] == [9, 17]
+        assert flank["own_pass"]["convergence"]["order"] == pytest.approx(2.0, abs=0.1)
+    assert report["surfaces"]["bottom"] == {"overcut_tolerance_um": 5.0, "excess_tolerance_um": None}
     for finding in report["findings"]:
         assert {"kind", "depth_um", "place_mm"} <= set(finding)
 
@@ -53,36 +70,42 @@ def test_exr_has_a_part_per_flank_with_named_channels_and_headers(folder, result
     import OpenEXR
 
     with OpenEXR.File(str(folder / "deviation.exr"), separate_channels=True) as file:
-        assert [p.name() for p in file.parts] == ["convex", "concave"]
+        assert [p.name() for p in file.parts] == ["convex", "concave", "concave fillet", "bottom", "convex fillet"]
         for part in file.parts:
             channels, header = part.channels, part.header
-            flank = result.flanks[part.name()]
+            m = result.measurements[part.name(), "program", DENSE]
+            by_two_roads = {f"{name}.{what}.um" for name in ("theory", "own_pass") for what in ("deviation", "gap")}
             assert set(channels) == {
-                "deviation.um", "P.X", "P.Y", "P.Z", "N.X", "N.Y", "N.Z", "segment.id", "envelope_gap.um", "valid",
+                "deviation.um", "P.X", "P.Y", "P.Z", "N.X", "N.Y", "N.Z", "segment.id", "valid",
+                *(by_two_roads if part.name() in SIDES else ()),
             }  # fmt: skip
             assert all(c.pixels.dtype == np.float32 for c in channels.values())
-            assert np.allclose(channels["deviation.um"].pixels, 1e3 * flank.all_passes.value, rtol=1e-6)
-            assert np.allclose(channels["P.Y"].pixels, flank.grid.point[..., 1], rtol=1e-6)
+            assert np.allclose(channels["deviation.um"].pixels, 1e3 * m.deviation.value, rtol=1e-6)
+            assert np.allclose(channels["P.Y"].pixels, m.grid.point[..., 1], rtol=1e-6)
             assert header["gearsim.scene"] == "spiral-bevel-flank"
             assert "positive = material left" in header["gearsim.sign"]
             assert header["gearsim.units"].startswith("mm")
             assert header["gearsim.version"]
+            assert header["gearsim.frame"] == result.frame
+            assert "under program" in header["gearsim.program"]
 
 
 def test_parquet_holds_every_sample_with_its_metadata(folder, result):
     import pyarrow.parquet as pq
 
     table = pq.read_table(folder / "samples.parquet")
-    assert table.num_rows == 2 * 5 * 17
+    assert table.num_rows == 2 * 5 * 17 + 3 * 3 * 17
     notes = {k.decode(): v.decode() for k, v in table.schema.metadata.items() if k.startswith(b"gearsim.")}
     assert notes["gearsim.scene"] == "spiral-bevel-flank"
     assert "positive" in notes["gearsim.sign"]
     columns = table.to_pydict()
-    convex = np.array(columns["flank"]) == "convex"
-    um = np.array(columns["all_passes_um"])[convex]
-    assert np.allclose(um, 1e3 * result.flanks["convex"].all_passes.value.ravel())
-    envelope = np.array(columns["envelope_class"]) == "envelope"
-    intended, machined = (np.array(columns[f"{w}_k2_per_mm"]) for w in ("intended", "machined"))
+    convex = np.array(columns["surface"]) == "convex"
+    um = np.array(columns["program_um"])[convex]
+    assert np.allclose(um, 1e3 * result.measurements["convex", "program", DENSE].deviation.value.ravel())
+    root = ~np.isin(columns["surface"], SIDES)
+    assert all(columns[name][i] is None for name in ("theory_um", "own_pass_gap_um") for i in np.flatnonzero(root))
+    envelope = np.array(columns["theory_class"]) == "envelope"
+    intended, machined = (np.array(columns[f"{w}_k2_per_mm"], dtype=float) for w in ("intended", "theory"))
     assert np.allclose(intended[envelope & convex], machined[envelope & convex], atol=2e-3)
 
 
@@ -102,7 +125,7 @@ def test_html_is_one_file_with_its_pictures_inside(folder):
     assert 'src="slot.png"' not in html
     assert "<table>" in html
     text = (folder / "report.md").read_text()
-    for word in ("positive is material left", "Zhou 2015", "Findings", "best rotated", "![", "order"):
+    for word in ("positive is material left", "Zhou 2015", "## Findings", "best rotated", "![", "order", "±5 µm"):
         assert word in text
 
 
@@ -119,8 +142,8 @@ def test_the_program_written_is_the_program_simulated(folder, result):
     from gearsim.programs.cldata import parse_cl
 
     text = (folder / "toolpath.cl").read_text()
-    assert text == result.cl_text
-    assert (folder / "program.nc").read_text() == result.nc_text
+    assert text == result.job.files["toolpath.cl"]
+    assert (folder / "program.nc").read_text() == result.job.files["program.nc"]
     names = [p.name for p in parse_cl(text).paths]
     assert names == ["rapid", "convex", "rapid", "concave", "rapid"]
 

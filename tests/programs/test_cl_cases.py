@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from gearsim.errors import InputError
-from gearsim.flank_milling import plan
+from gearsim.processes.run import plan
 from gearsim.programs.cldata import RAPID, parse_cl, read_cl_text
 from gearsim.scene import load_scene
 
@@ -41,14 +41,15 @@ def multax():
 
 def own65():
     job = planned("own65.cl")
-    assert job.path_names == (RAPID, "convex", RAPID, "concave", RAPID)
+    names = [p.name for p in parse_cl(job.files["toolpath.cl"]).paths]
+    assert names == [RAPID, "convex", RAPID, "concave", RAPID]
     assert job.notes == ()
 
 
 def cutter4():
     ours, theirs = planned("own65.cl"), planned("cutter4.cl")
     assert theirs.notes == ()
-    assert np.array_equal(ours.program.tip, theirs.program.tip)
+    assert np.array_equal(*(job.variant("program").operations[0].table.tip for job in (ours, theirs)))
 
 
 def twotools65():

@@ -4,14 +4,15 @@ import numpy as np
 import pytest
 
 from gearsim.cutters.catalogue import ball, conical, flat
-from gearsim.flank_milling.job import plan
 from gearsim.geometry.turned import Turned
-from gearsim.metrology.machine import MeasuringMachine
+from gearsim.metrology.inspection import perform
 from gearsim.metrology.rapid_check import blank_rays, rapid_touch
-from gearsim.motion.segments import compile_motion, join
 from gearsim.motion.sources import CLMotion
+from gearsim.processes.run import plan
 from gearsim.programs.cldata import RAPID, CLPath, assemble, parse_cl
 from gearsim.scene import load_scene
+from gearsim.simulation.operation import Variant, operation
+from gearsim.simulation.workshop import Workshop
 from gearsim.toolpaths.clearance import CLEAR_MM, Clearance
 from gearsim.toolpaths.links import APPROACH, WITHDRAWAL, clear_rapids
 
@@ -26,10 +27,10 @@ SHORT = ("toolpath.run_mm=0", "toolpath.retract_mm=1")
 def cut_by_rapids(program, cutter, stock, device):
     """Longest chord [mm] that the rapids of a program alone cut out of an uncut blank."""
     rapids = [p for p in program.paths if p.name == RAPID]
-    table = join([compile_motion(CLMotion(p.tips, p.axes), cutter.reach) for p in rapids])
+    moves = operation("rapids", cutter, [CLMotion(p.tips, p.axes) for p in rapids], 1e-9)
     rays = blank_rays(stock)
     ray, start, end = stock.chords(rays.origin, rays.direction)
-    removed = MeasuringMachine(cutter, device, 1e-9, 64).removed(rays, table)
+    removed = Workshop(device, slots=64).cut([(rays, [moves])])[0]
     longest = 0.0
     for lo, hi, k in zip(removed.lo, removed.hi, removed.ray, strict=True):
         mine = ray == k
@@ -49,9 +50,9 @@ def cut_by_rapids(program, cutter, stock, device):
 def test_planned_rapids_touch_nothing_of_the_blank(scene, overrides, device):
     """The pinion's straight way from pass to pass led through it; passes that end on the blank are left by feed."""
     job = plan(*load_scene(scene, overrides))
-    program, stock = parse_cl(job.cl_text), job.tooth.blank.stock
-    assert cut_by_rapids(program, job.cutter, stock, device) == 0.0
-    clearance = Clearance(stock, job.cutter)
+    program, stock, cutter = parse_cl(job.files["toolpath.cl"]), job.part.stock, job.variant("program").cutter
+    assert cut_by_rapids(program, cutter, stock, device) == 0.0
+    clearance = Clearance(stock, cutter)
     assert all(clearance.along(p.tips, p.axes) > CLEAR_MM - 1e-6 for p in program.paths if p.name == RAPID)
     assert {"convex", "concave"} <= {p.name for p in program.paths}
     for before, after in zip(program.paths[:-1], program.paths[1:], strict=True):
@@ -61,13 +62,13 @@ def test_planned_rapids_touch_nothing_of_the_blank(scene, overrides, device):
 
 def test_a_pass_that_ends_on_the_blank_is_reached_and_left_by_feed():
     job = plan(*load_scene("spiral-bevel-flank", (*SHORT, "toolpath.points=9")))
-    names = [p.name for p in parse_cl(job.cl_text).paths]
+    names = [p.name for p in parse_cl(job.files["toolpath.cl"]).paths]
     assert names == ["rapid", APPROACH, "convex", WITHDRAWAL, "rapid", APPROACH, "concave", WITHDRAWAL, "rapid"]
 
 
 def test_rapids_that_are_clear_stay_as_they_are():
     job = plan(*load_scene("spiral-bevel-flank", ("toolpath.points=9",)))
-    names = [p.name for p in parse_cl(job.cl_text).paths]
+    names = [p.name for p in parse_cl(job.files["toolpath.cl"]).paths]
     assert names == ["rapid", "convex", "rapid", "concave", "rapid"]
 
 
@@ -128,6 +129,12 @@ def test_the_distance_from_a_turned_solid_is_that_of_its_outline():
     assert np.allclose(DISC.signed_distance(points), [10.0, 10.0, 3.0, -2.0, 5.0, 0.0, 0.0])
 
 
+def touched(moves, device):
+    """The first rapid of an operation, whose motions are its steps, that touches the disc."""
+    rapid = np.array([moves.rapid[moves.step == k].all() for k in range(len(moves.sources))])
+    return perform(rapid_touch(DISC, blank_rays(DISC), Variant("program", "", (moves,)), rapid), Workshop(device))
+
+
 @pytest.mark.parametrize(("opened", "touches"), [(False, True), (True, False)])
 def test_a_rapid_where_feeds_have_cut_before_touches_nothing(opened, touches, device):
     """Down by rapid into a hole: touching before it is drilled, not after; the order counts."""
@@ -135,12 +142,8 @@ def test_a_rapid_where_feeds_have_cut_before_touches_nothing(opened, touches, de
     down = np.array([[25.0, 0.0, 5.0], [25.0, 0.0, -5.0]])
     up, axis = down[::-1], np.tile([0.0, 0.0, 1.0], (2, 1))
     order = [(False, down), (True, up), (True, down)] if opened else [(True, down), (False, up), (False, down)]
-    table = join([compile_motion(CLMotion(tips, axis), cutter.reach) for _, tips in order])
-    rapid = np.array([is_rapid for is_rapid, _ in order])
-    machine = MeasuringMachine(cutter, device, 1e-9, 16)
-    found = rapid_touch(
-        DISC, blank_rays(DISC), rapid, lambda rays, chosen: machine.removed(rays, table.part(chosen[table.path]))
-    )
+    rapid = [is_rapid for is_rapid, _ in order]
+    found = touched(operation("drill", cutter, [CLMotion(tips, axis) for _, tips in order], 1e-9, rapid=rapid), device)
     assert (found is not None) == touches
     if found:
         assert found.step == 0
@@ -151,8 +154,7 @@ def test_a_rapid_where_feeds_have_cut_before_touches_nothing(opened, touches, de
 def test_a_rapid_that_just_touches_a_face_cuts_nothing(device):
     """Sliding over the top face at its very height, and a micrometre lower."""
     cutter, axis = flat(6.0, 30.0), np.tile([0.0, 0.0, 1.0], (2, 1))
-    machine = MeasuringMachine(cutter, device, 1e-9, 16)
     for z, touches in ((0.0, False), (-1e-3, True)):
-        table = compile_motion(CLMotion(np.array([[-50.0, 0.0, z], [50.0, 0.0, z]]), axis), cutter.reach)
-        found = rapid_touch(DISC, blank_rays(DISC), np.array([True]), lambda rays, _, t=table: machine.removed(rays, t))
+        over = CLMotion(np.array([[-50.0, 0.0, z], [50.0, 0.0, z]]), axis)
+        found = touched(operation("over", cutter, [over], 1e-9, rapid=[True]), device)
         assert (found is not None) == touches

@@ -8,9 +8,9 @@ from scipy.optimize import fsolve
 
 from gearsim.geometry.rays import RayBundle
 from gearsim.metrology.deviation import measure
+from gearsim.metrology.grid import COARSE, DENSE
 from gearsim.motion.segments import compile_motion
-from gearsim.output.table import flank_columns
-from gearsim.runner import run
+from gearsim.processes.run import run
 from gearsim.simulation.removal import cut
 from gearsim.surfaces.patch import SIDES
 from gearsim.toolpaths.face_milled import GeneratedFlankPath
@@ -66,13 +66,16 @@ def section_points(patch, offsets):
 @pytest.mark.parametrize("side", SIDES)
 def test_the_mean_profile_is_that_of_the_same_cut_put_together_here(result, side, published_cutter):
     """Section, directions, path, table and rays put together here; what the scene reports must be the same."""
-    flank, offsets = result.flanks[side], np.array([0.0, 0.5, -0.5, 1.5, -1.5, 3.0, -3.0])
+    profile, offsets = (
+        result.measurements[side, "theory", "mean profile"],
+        np.array([0.0, 0.5, -0.5, 1.5, -1.5, 3.0, -3.0]),
+    )
     path = GeneratedFlankPath(make_face_milled().flank(side), published_cutter, EDGE * (1.0 - sin(ANGLE)), 8.0)
     jet, across = section_points(path.patch, offsets)
     in_plane = jet.normal - np.outer(jet.normal @ across, across)
     in_plane /= np.linalg.norm(in_plane, axis=1)[:, None]
     table = compile_motion(path.motion, published_cutter.reach)
-    for direction, reported in ((jet.normal, flank.profile_um), (in_plane, flank.profile_inplane_um)):
+    for direction, reported in ((jet.normal, profile.normal_um), (in_plane, profile.in_plane_um)):
         rays = RayBundle(jet.r, direction, np.full(7, -1.0), np.full(7, 1.0))
         ours = 1e3 * measure(rays, cut(rays, table, published_cutter).require_trust().removed).value
         assert list(reported) == [f"L{i}" for i in range(7)]
@@ -83,18 +86,22 @@ def test_the_mean_profile_is_that_of_the_same_cut_put_together_here(result, side
 
 def test_both_roads_and_the_dexels_agree_and_the_published_cutter_gouges(result):
     """What is left by the own pass is the profile's bulge; the other pass cuts it away and a millimetre more."""
-    for flank in result.flanks.values():
-        for gap in (flank.gap, flank.gap_cl, *flank.inspection_gaps):
-            assert gap.trusted
-            assert gap.valid > 0
-            assert gap.max_um < 1e-3
-        own, everything = flank.own.summary_um(), flank.all_passes.summary_um()
+    for side in SIDES:
+        for variant in ("theory", "own pass"):
+            for grid in (DENSE, COARSE):
+                gap = result.measurements[side, variant, grid].gap
+                assert gap.trusted
+                assert gap.valid > 0
+                assert gap.max_um < 1e-3
+        own, everything = (
+            result.measurements[side, name, DENSE].deviation.summary_um() for name in ("theory", "program")
+        )
         assert own["min"] > -1e-3
         assert 50.0 < own["max"] < 120.0
         assert everything["min"] < -1000.0
-        assert {"u", "arc_length_mm"} <= set(flank_columns(result, flank))
-    assert result.dexels.checked > 0
-    assert result.dexels.check_um < 1e-3
+    dexels = result.measurements["", "program", "tri-dexel"]
+    assert dexels.checked > 0
+    assert dexels.check_um < 1e-3
     assert result.exit_code == 1
     assert {(f.kind, f.patch) for f in result.findings if f.fails} >= {("cross_cut", side) for side in SIDES}
 
@@ -102,8 +109,9 @@ def test_both_roads_and_the_dexels_agree_and_the_published_cutter_gouges(result)
 def test_the_non_generated_tooth_is_flank_milled_too(result):
     """Formate: the head leaves straight profiles, so the bulge is gone and with it most of the deviation."""
     plunged = run(SCENE, overrides=(*SMALL, "surface.generated=false"))
-    for side, flank in plunged.flanks.items():
-        assert flank.gap.max_um < 1e-3
-        assert abs(flank.profile_um["L0"]) < 1e-5
+    for side in SIDES:
+        assert plunged.measurements[side, "theory", DENSE].gap.max_um < 1e-3
+        straight, bulged = (r.measurements[side, "theory", "mean profile"].normal_um for r in (plunged, result))
+        assert abs(straight["L0"]) < 1e-5
         for name in ("L3", "L4", "L5", "L6"):
-            assert abs(flank.profile_um[name]) < 0.2 * result.flanks[side].profile_um[name]
+            assert abs(straight[name]) < 0.2 * bulged[name]

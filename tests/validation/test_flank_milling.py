@@ -9,15 +9,20 @@ from scipy.optimize import brentq, minimize_scalar
 from gearsim.envelope import machined_along
 from gearsim.geometry.rays import RayBundle
 from gearsim.geometry.rigid import Rigid
-from gearsim.metrology.bevel import measure_convergence
+from gearsim.metrology.convergence import Convergence, Series
 from gearsim.metrology.deviation import measure
-from gearsim.metrology.dexel_check import measure_dexels, slot_box
-from gearsim.metrology.machine import MeasuringMachine
+from gearsim.metrology.dexel_check import DexelInspection, slot_box
+from gearsim.metrology.grid import GridInspection
+from gearsim.metrology.inspection import perform
+from gearsim.metrology.job import Job
 from gearsim.metrology.roads import compare_roads
 from gearsim.metrology.samples import sample_grid
-from gearsim.motion.segments import compile_motion, join
+from gearsim.motion.segments import compile_motion
 from gearsim.motion.sources import CLMotion, MovedMotion
+from gearsim.simulation.operation import Variant, operation
 from gearsim.simulation.removal import cut
+from gearsim.simulation.workshop import Workshop
+from gearsim.surfaces.part import Intended, Part
 from gearsim.surfaces.patch import SIDES
 from gearsim.toolpaths.flank import FlankPath
 from tests.conftest import make_tooth, random_rotation
@@ -42,8 +47,11 @@ def own_deviation(tooth, side, cutter, device="cpu", points=None, shape=(7, 21),
     return grid, source, measure(grid.rays(), removed.require_trust().removed).reshaped(shape)
 
 
-def machine(cutter, device="cpu"):
-    return MeasuringMachine(cutter, device, 1e-9, 16)
+def job(tooth, cutter, motions):
+    """A tooth under named motions of one cutter."""
+    variants = tuple(Variant(name, "", (operation(name, cutter, m, 1e-9),)) for name, m in motions.items())
+    part = Part("gear frame", tooth.blank.stock, {p.name: Intended(p) for p in tooth.patches})
+    return Job("made here", part, variants, next(iter(motions)), ())
 
 
 @pytest.mark.parametrize("side", SIDES)
@@ -126,12 +134,14 @@ def test_the_contact_path_deviates_by_nothing_and_the_rest_is_overcut(tooth, fit
 @pytest.mark.parametrize("side", SIDES)
 def test_cl_data_converge_to_the_continuous_path_with_second_order(tooth, fitting_cutter, side):
     path = FlankPath(tooth, side, fitting_cutter, 8.0)
-    reach = fitting_cutter.reach
-    result = measure_convergence(
-        machine(fitting_cutter), sample_grid(tooth.flank(side), 5, 41).rays(), compile_motion(path.motion, reach),
-        lambda n: compile_motion(path.cl_motion(n), reach), [9, 17, 33, 65],
-    )  # fmt: skip
-    assert np.allclose(result.orders, 2.0, atol=0.1)
+    points = (9, 17, 33, 65)
+    motions = {"theory": [path.motion], **{str(n): [path.cl_motion(n)] for n in points}}
+    series = Series("CL data", "theory", points, tuple(map(str, points)))
+    inspection = GridInspection(side, ("theory",), (), 5, 41, series=(series,))
+    reading = perform(inspection.steps(job(tooth, fitting_cutter, motions)), Workshop("cpu"))
+    (found,) = (m.convergence for m in reading.measurements if m.inspection == "convergence")
+    assert isinstance(found, Convergence)
+    assert np.allclose(found.orders, 2.0, atol=0.1)
 
 
 @pytest.mark.parametrize("side", SIDES)
@@ -226,13 +236,12 @@ def test_published_profile_figures_do_not_follow_from_the_published_data(tooth, 
 
 
 def test_tri_dexel_ends_lie_where_the_normals_say(tooth, fitting_cutter, device):
-    tables = [
-        compile_motion(FlankPath(tooth, side, fitting_cutter, 8.0).motion, fitting_cutter.reach) for side in SIDES
-    ]
-    grids = [sample_grid(tooth.flank(side), 9, 33) for side in SIDES]
-    box = slot_box(tooth.patches, tooth.blank, 0.6)
-    measuring = machine(fitting_cutter, device)
-    result = measure_dexels(lambda rays: measuring.removed(rays, join(tables)), box, tooth.blank.stock, grids)
+    motions = {"both": [FlankPath(tooth, side, fitting_cutter, 8.0).motion for side in SIDES]}
+    grids = tuple(GridInspection(side, ("both",), (), 9, 33) for side in SIDES)
+    inspection = DexelInspection("both", slot_box(tooth.patches, tooth.blank, 0.6), grids)
+    reading = perform(inspection.steps(job(tooth, fitting_cutter, motions)), Workshop(device))
+    (result,) = reading.measurements
+    assert reading.doubts == ()
     assert result.checked > 300
     assert result.check_um < 1e-3
     volumes = np.array(result.removed_volumes)

@@ -8,8 +8,8 @@ import re
 import numpy as np
 import pytest
 
-from gearsim.gouging.examples import GOUGING_EXAMPLES, gouging_rows
-from gearsim.gouging.examples_border import (
+from gearsim.gouging.khan.examples import GOUGING_EXAMPLES, gouging_rows
+from gearsim.gouging.khan.examples_border import (
     ACROSS,
     MILLS,
     PATCHES,
@@ -18,7 +18,7 @@ from gearsim.gouging.examples_border import (
     border_rows,
     gouging_arcs,
 )
-from gearsim.gouging.examples_sizes import size_examples, size_rows
+from gearsim.gouging.khan.examples_sizes import size_examples, size_rows
 
 DEGREES = np.arange(0.0, 360.0, 0.01) + 0.005
 

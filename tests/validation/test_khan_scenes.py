@@ -4,9 +4,9 @@ import json
 
 import pytest
 
-from gearsim.gouging.worked_sections import SECTIONS, worked_rows
+from gearsim.gouging.khan.worked_sections import SECTIONS, worked_rows
 from gearsim.output.write import write_result
-from gearsim.runner import run
+from gearsim.processes.run import run
 from gearsim.scene import load_scene, scene_names
 
 SCENES = [name for name in scene_names() if name.startswith("gouge-")]
@@ -25,8 +25,8 @@ def test_every_section_with_numbers_stands_in_a_scene():
 def test_prediction_and_cut_agree(name):
     result = run(name, overrides=SMALL)
     assert result.exit_code == EXIT_CODES.get(name, 0)
-    assert not any(cut.rings.disagree.any() for cut in result.cuts.values())
-    assert result.worked
+    assert not any(m.cut.rings.disagree.any() for k, m in result.measurements.items() if k[2] == "gouging")
+    assert result.measurements["", "printed", "worked examples"].rows
 
 
 def test_most_printed_numbers_reproduce():
@@ -41,4 +41,5 @@ def test_the_scenes_of_numbers_draw_their_curvatures(tmp_path):
     for name, picture in (("gouge-border", "curvature-border.png"), ("gouge-flat-end-mill", "flat-end-mill.png")):
         write_result(run(name), tmp_path)
         assert (tmp_path / picture).stat().st_size > 10_000
-        assert json.loads((tmp_path / "report.json").read_text())["worked_examples"]["rows"]
+        measured = json.loads((tmp_path / "report.json").read_text())["measurements"]
+        assert measured["part"]["printed"]["worked_examples"]["rows"]

@@ -2,17 +2,19 @@
 
 from __future__ import annotations
 
-from pathlib import Path
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from gearsim.gouging.attribution import Cause
+from gearsim.gouging.choice import SizeChoice
+from gearsim.gouging.inspection import ToolCut
 from gearsim.metrology.samples import SampleGrid
 from gearsim.output.charts import pyplot
 from gearsim.output.gouging.curvature import GOUGE, TOOL
-from gearsim.result import SculpturedResult, SizeChoice, ToolCut
+from gearsim.output.saving import Save
 
 CAUSES = {
     Cause.NONE: ("#eef0f2", "not overcut"),
@@ -25,18 +27,18 @@ CAUSES = {
 _NOISE_UM = 1e-3
 
 
-def draw_deviation(result: SculpturedResult, labels: dict[str, str], file: Path) -> None:
-    """deviation.png: one row a tool; left the deviation, right what made the overcut."""
+def draw_cuts(
+    title: str, cuts: Mapping[str, ToolCut], labels: Mapping[str, str], tolerance: float, save: Save
+) -> None:  # fmt: skip
+    """gouging.png: one row a tool; left the deviation, right what made the overcut."""
     plt = pyplot()
-    rows = len(result.cuts)
+    rows = len(cuts)
     figure, axes = plt.subplots(rows, 2, figsize=(13.0, 4.9 * rows + 0.9), squeeze=False, constrained_layout=True)
-    tolerance = float(result.scene["metrology"]["tolerance_um"])
-    for row, (name, cut) in enumerate(result.cuts.items()):
-        _deviation(figure, axes[row, 0], result.grid, cut, labels[name])
-        _causes(axes[row, 1], result.grid, cut, tolerance)
-    figure.suptitle(f"{result.name}: machined minus intended (+ material left, − overcut)", fontsize=14, weight="bold")
-    figure.savefig(file, dpi=100)
-    plt.close(figure)
+    for row, (name, cut) in enumerate(cuts.items()):
+        _deviation(figure, axes[row, 0], cut.grid, cut, labels[name])
+        _causes(axes[row, 1], cut.grid, cut, tolerance)
+    figure.suptitle(f"{title}: machined minus intended (+ material left, − overcut)", fontsize=14, weight="bold")
+    save(figure, "gouging.png")
 
 
 def _axes(axis: Any, grid: SampleGrid) -> tuple[NDArray, NDArray]:
@@ -90,7 +92,7 @@ def _predicted(axis: Any, grid: SampleGrid, cut: ToolCut) -> bool:
     return True
 
 
-def draw_sizes(sizes: SizeChoice, title: str, notes: list[str], file: Path) -> None:
+def draw_sizes(sizes: SizeChoice, title: str, notes: list[str], name: str, save: Save) -> None:
     """tool_size.png: shank and corner radius of the largest mill at every point."""
     plt = pyplot()
     figure, axes = plt.subplots(1, 2, figsize=(13.0, 6.0), constrained_layout=True)
@@ -114,11 +116,10 @@ def draw_sizes(sizes: SizeChoice, title: str, notes: list[str], file: Path) -> N
         if not np.isfinite(values).all() and len(known):
             axis.text(0.02, 0.02, "grey: none fits", transform=axis.transAxes, fontsize=9, color="0.25")
     figure.suptitle(f"{title}\n" + "\n".join(notes), fontsize=11)
-    figure.savefig(file, dpi=100)
-    plt.close(figure)
+    save(figure, name)
 
 
-def draw_flat_rule(file: Path) -> None:
+def draw_flat_rule(save: Save) -> None:
     """flat-end-mill.png: the largest flat end mill in a bowl over the contact angle, by Khan's (6.24) and rightly."""
     plt = pyplot()
     eta = np.linspace(0.0, 90.0, 181)
@@ -138,5 +139,4 @@ def draw_flat_rule(file: Path) -> None:
     axis.legend(frameon=False)
     axis.grid(alpha=0.25)
     axis.spines[["top", "right"]].set_visible(False)
-    figure.savefig(file, dpi=110)
-    plt.close(figure)
+    save(figure, "flat-end-mill.png", 110)

@@ -10,20 +10,20 @@ from rich.console import Console
 from rich.markup import escape
 
 from gearsim.cutters.contact import contact_at
-from gearsim.gouging.cases import CASES, case_numbers
+from gearsim.gouging.check import GougeCheck, TightPlace
 from gearsim.gouging.compare import TIE, Decision, decide
 from gearsim.gouging.junctions import Join
+from gearsim.gouging.khan.cases import CASES, case_numbers
 from gearsim.gouging.looked import FaceLook
-from gearsim.output.exr import write_exr
+from gearsim.output.exr import header, write_exr
 from gearsim.output.gouging.check_maps import draw_faces, face_channels
 from gearsim.output.gouging.curvature import draw_curvatures
 from gearsim.output.gouging.plots import arcs_words, gouging_arcs, run_sheet
-from gearsim.output.gouging.report import whole_section
-from gearsim.output.gouging.summary import tool_words, whole_figures
-from gearsim.output.gouging.write import size_notes
+from gearsim.output.gouging.words import size_notes, tool_words, whole_figures, whole_section
 from gearsim.output.markdown import pictures, table, write_report
+from gearsim.output.saving import Save
 from gearsim.output.summary import SCHEMA_VERSION, number, write_json
-from gearsim.result import GougeCheck, TightPlace
+from gearsim.result import versions
 
 _STEP = 1.0  # mm: the depth is told at this distance from the contact
 _HEADS = ("face", "points", "gouging", "tie", "free", "out of reach", "least difference [1/mm]", "material side")
@@ -41,8 +41,8 @@ def check_figures(check: GougeCheck) -> dict[str, Any]:
         "tool": tool_words(check.cutter),
         "tool_axis": [float(x) for x in check.axis],
         "device": check.device,
-        "versions": check.versions,
-        "seconds": round(check.timings_s["total"], 3),
+        "versions": versions(),
+        "seconds": round(check.seconds, 3),
         **{k: sum(f[k] for f in faces) for k in keys},
         "spacing_mm": max(f["spacing_mm"] for f in faces),
         "turn_deg": max(f["turn_deg"] for f in faces),
@@ -73,15 +73,16 @@ def print_check(check: GougeCheck, console: Console) -> None:
 def write_check(check: GougeCheck, stage: Path) -> None:
     """Write report, pictures and maps into a folder."""
     figures = check_figures(check)
-    drawn = draw_faces(check, size_notes(check.whole, check.place), stage)
+    save = Save(stage)
+    drawn = draw_faces(check, size_notes(check.whole, check.place), save)
     if check.worst is not None and check.worst.contact is not None:
         sheet = run_sheet(check.name, {"": check.worst.contact}, {"": tool_words(check.cutter)})
         draw_curvatures(sheet.plots, f"{check.name}: normal curvatures where it is tightest", sheet.zero,
-                        stage / "curvature.png")  # fmt: skip
+                        "curvature.png", save)  # fmt: skip
         drawn["curvature.png"] = "Normal curvature of tool and part over the direction where it is tightest"
     names = ["gouging"] if len(check.looks) == 1 else [f.face.name for f in check.looks]
-    write_exr({n: face_channels(check, f) for n, f in zip(names, check.looks, strict=True)}, check,
-              stage / "gouging.exr")  # fmt: skip
+    channels = {n: face_channels(check, f) for n, f in zip(names, check.looks, strict=True)}
+    write_exr(channels, header(check.name, check.frame), stage / "gouging.exr")
     write_report(_report(check, figures, drawn), check.name, stage)
     write_json(figures, stage / "report.json")
 

@@ -2,27 +2,28 @@
 
 from __future__ import annotations
 
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from gearsim.cutters.contact import approach
+from gearsim.gouging.check import GougeCheck
+from gearsim.gouging.choice import SizeChoice
 from gearsim.gouging.fitting import size_map
 from gearsim.gouging.looked import FaceLook
 from gearsim.output.charts import pyplot
 from gearsim.output.gouging.charts import draw_sizes
 from gearsim.output.gouging.curvature import GOUGE
-from gearsim.output.gouging.maps import size_channels
-from gearsim.output.gouging.summary import tool_words
-from gearsim.result import GougeCheck, SizeChoice
+from gearsim.output.gouging.mills import size_channels
+from gearsim.output.gouging.words import tool_words
+from gearsim.output.saving import Save
 
 _STROKES = 24
 _MOST = 6
 
 
-def draw_faces(check: GougeCheck, notes: list[str], stage: Path) -> dict[str, str]:
+def draw_faces(check: GougeCheck, notes: list[str], save: Save) -> dict[str, str]:
     """Pictures of the tightest faces, six at most, with their captions."""
     reached = [k for k, f in enumerate(check.looks) if f.reached] or [0]
     tightest = sorted(reached, key=lambda k: float(np.min(_least(check.looks[k]), initial=np.inf)))[:_MOST]
@@ -31,10 +32,8 @@ def draw_faces(check: GougeCheck, notes: list[str], stage: Path) -> dict[str, st
         f = check.looks[k]
         mark, of = ("", "") if len(check.looks) == 1 else (f"-{k + 1}", f"{f.face.name}: ")
         title = check.name if not of else f"{check.name}, {f.face.name}"
-        _draw_map(check, f, title, stage / f"gouging{mark}.png")
-        draw_sizes(
-            face_sizes(check, f), f"{title}: largest mill of the catalogue", notes, stage / f"tool_size{mark}.png"
-        )
+        _draw_map(check, f, title, f"gouging{mark}.png", save)
+        draw_sizes(face_sizes(check, f), f"{title}: largest mill of the catalogue", notes, f"tool_size{mark}.png", save)
         drawn[f"gouging{mark}.png"] = (
             f"{of}Tool's curvature minus the part's, least over all directions; strokes: worst directions"
         )
@@ -68,7 +67,7 @@ def _least(f: FaceLook) -> NDArray:
     return np.where(f.samples.touches, f.samples.comparison.least, np.inf)
 
 
-def _draw_map(check: GougeCheck, f: FaceLook, title: str, file: Path) -> None:
+def _draw_map(check: GougeCheck, f: FaceLook, title: str, name: str, save: Save) -> None:
     """gouging.png: the least difference of curvature, the gouging region outlined, its worst directions as strokes."""
     plt = pyplot()
     grid, values = f.grid, _least(f).reshape(f.grid.shape)
@@ -93,8 +92,7 @@ def _draw_map(check: GougeCheck, f: FaceLook, title: str, file: Path) -> None:
         f"{title}, {tool_words(check.cutter)}\n{gouging:,} of {int(f.held.sum()):,} points gouge; circle: tightest; "
         "grey: out of reach or off the face", fontsize=11,
     )  # fmt: skip
-    figure.savefig(file, dpi=110)
-    plt.close(figure)
+    save(figure, name, 110)
 
 
 def _strokes(axis: Any, check: GougeCheck, f: FaceLook, least: NDArray) -> None:

@@ -5,14 +5,14 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from math import ceil
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from gearsim.output.charts import pyplot
-from gearsim.output.cylindrical.style import plain
+from gearsim.output.gear.style import plain
+from gearsim.output.saving import Save
 
 TOOL, PART, OTHER, GOUGE = "#1b3a5c", "#c8791b", "#5b8e7d", "#d1495b"
 _ALPHA = np.radians(np.linspace(0.0, 360.0, 721))
@@ -51,7 +51,7 @@ class CurvaturePlot:
     borders: tuple[float, ...] = ()
 
 
-def draw_curvatures(plots: Sequence[CurvaturePlot], heading: str, zero: str, file: Path) -> None:
+def draw_curvatures(plots: Sequence[CurvaturePlot], heading: str, zero: str, name: str, save: Save) -> None:
     """One column a contact: polar above, Cartesian below. ``zero`` says which direction is 0 deg."""
     plt = pyplot()
     columns = 2 if len(plots) == 4 else min(len(plots), _COLUMNS)
@@ -64,8 +64,7 @@ def draw_curvatures(plots: Sequence[CurvaturePlot], heading: str, zero: str, fil
         _polar(figure.add_subplot(grid[row, column], projection="polar"), plot, low, high)
         _cartesian(figure.add_subplot(grid[row + 1, column]), plot, low, high, zero)
     figure.suptitle(heading, fontsize=13, weight="bold")
-    figure.savefig(file, dpi=120)
-    plt.close(figure)
+    save(figure, name, 120)
 
 
 def _curves(plot: CurvaturePlot) -> list[tuple[str, NDArray, str, float]]:

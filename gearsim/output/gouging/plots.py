@@ -11,12 +11,12 @@ from numpy.typing import NDArray
 
 from gearsim.cutters.contact import end_mill_contact
 from gearsim.gouging.compare import Comparison, Decision, compare
-from gearsim.gouging.examples import GOUGING_EXAMPLES, GougingExample
-from gearsim.gouging.examples_border import BORDER, MILLS, border_results, direction_angle, patch_tensors, theta0
-from gearsim.gouging.examples_sizes import SizeExample, size_examples
+from gearsim.gouging.khan.examples import GOUGING_EXAMPLES, GougingExample
+from gearsim.gouging.khan.examples_border import BORDER, MILLS, border_results, direction_angle, patch_tensors, theta0
+from gearsim.gouging.khan.examples_sizes import SizeExample, size_examples
+from gearsim.gouging.khan.worked import arcs_of
 from gearsim.gouging.prediction import Prediction
 from gearsim.gouging.tensors import principal_tensor, tool_tensor
-from gearsim.gouging.worked import arcs_of
 from gearsim.output.gouging.curvature import CurvaturePlot, Piece
 
 FROM_TOOL = "the tool's uphill meridian"

@@ -1,0 +1,178 @@
+"""A surface cut by one tool along its passes, set against its predicted local gouging, contact by contact."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, cast
+
+import numpy as np
+
+from gearsim.cutters.profile import Profile
+from gearsim.geometry.rays import RayBundle
+from gearsim.gouging.attribution import (
+    Attribution,
+    Cause,
+    attribute,
+    segment_ends,
+    straight_distance,
+    tool_distance,
+)
+from gearsim.gouging.prediction import Prediction, predict, predict_path
+from gearsim.gouging.rings import RingResult, read_rings, rings
+from gearsim.metrology.deviation import Crossing, Deviation, measure
+from gearsim.metrology.findings import Finding
+from gearsim.metrology.grid import DENSE, GridMeasurement
+from gearsim.metrology.inspection import Cut, Reading, Steps
+from gearsim.metrology.roads import LIMIT_UM
+from gearsim.metrology.samples import SampleGrid, sample_grid
+from gearsim.metrology.verdict import untouched
+from gearsim.motion.segments import SegmentTable
+from gearsim.simulation.operation import Variant, operation
+from gearsim.surfaces.nurbs import NurbsSurface
+from gearsim.toolpaths.sculptured import SculpturedPath
+
+if TYPE_CHECKING:
+    from gearsim.metrology.job import Job
+
+_CHECKED = 300
+_WORDS = {
+    Cause.LOCAL: "gouges locally, where its curvature is predicted to be less than the part's",
+    Cause.TIE: "overcuts where the curvatures tie",
+    Cause.GLOBAL: "hits another part of the surface: the contact itself is clear (global gouging)",
+    Cause.UNPREDICTED: "overcuts where nothing is predicted to gouge",
+    Cause.UNKNOWN: "cuts through the measuring window: raise metrology.window_mm",
+}
+
+
+@dataclass(frozen=True)
+class ToolCut:
+    """A surface cut by one tool: what its curvatures predicted and what was found.
+
+    ``contacts`` are predicted at the path's, ``samples`` at the grid's points (row-major); ``check_um``: how far
+    machined points lie off the tool by a search of its own.
+    """
+
+    cutter: Profile
+    path: SculpturedPath
+    segments: int
+    grid: SampleGrid
+    contacts: Prediction
+    samples: Prediction
+    deviation: Deviation
+    made: Attribution
+    rings: RingResult
+    check_um: float
+
+
+@dataclass(frozen=True)
+class GougingMeasurement:
+    """Prediction and cut of one tool, a variant, on a surface."""
+
+    surface: str
+    variant: str
+    cut: ToolCut
+    inspection: str = "gouging"
+
+
+@dataclass(frozen=True)
+class GougingInspection:
+    """A surface on a grid under one variant, whose passes are ``path``, and all its contacts cut one by one.
+
+    Overcut deeper than ``tolerance_um`` is attributed; it fails where the variant is ``judged``. ``ring`` [mm]: how far
+    beside a contact is looked.
+    """
+
+    surface: str
+    variant: str
+    path: SculpturedPath
+    rows: int
+    columns: int
+    margin: float
+    ring: float
+    tolerance_um: float
+    judged: bool
+    name: str = "gouging"
+
+    def steps(self, job: Job) -> Steps[Reading]:
+        surface, variant = cast(NurbsSurface, job.part.patch(self.surface)), job.variant(self.variant)
+        cutter, (made_by,) = variant.cutter, variant.operations
+        grid = sample_grid(surface, self.rows, self.columns, self.margin)
+        found, rays = predict_path(surface, cutter, self.path), grid.rays()
+        asked = rings(surface, cutter, self.path, found, self.ring)
+        standing = Variant("standing", "", (operation("contacts", cutter, [asked.standing], 1e-9),))
+        whole, alone = yield [Cut(rays, variant), Cut(asked.rays, standing)]
+        deviation, at = measure(rays, whole), (grid.phi.ravel(), grid.v.ravel())
+        made = attribute(surface, cutter, self.path, made_by.table, deviation, at, 1e-3 * self.tolerance_um)
+        cut = ToolCut(
+            cutter=cutter,
+            path=self.path,
+            segments=len(made_by),
+            grid=grid,
+            contacts=found,
+            samples=predict(surface, cutter, *at),
+            deviation=deviation.reshaped(grid.shape),
+            made=Attribution(*(x.reshape(grid.shape) for x in (made.cause, made.contact, made.apart))),
+            rings=read_rings(asked, found, measure(asked.rays, alone), self.ring),
+            check_um=_check(cutter, self.path, made_by.table, rays, deviation),
+        )
+        measured = (self._on_grid(variant, cut), GougingMeasurement(self.surface, self.variant, cut))
+        judged = (self.surface,) if self.judged else ()
+        return Reading(measured, tuple(self._findings(cut)), tuple(self._doubts(cut)), judged)
+
+    def _on_grid(self, variant: Variant, cut: ToolCut) -> GridMeasurement:
+        nowhere = np.zeros(cut.grid.shape, dtype=bool)
+        return GridMeasurement(self.surface, variant, DENSE, cut.grid, nowhere, nowhere, cut.deviation)
+
+    def _findings(self, cut: ToolCut) -> Iterator[Finding]:
+        """The deepest overcut of each cause; it fails where the tool is judged."""
+        depth = np.where(cut.deviation.crossing == Crossing.THROUGH, -cut.grid.inward, cut.deviation.value)
+        for cause, text in _WORDS.items():
+            mine = cut.made.cause == cause
+            if not mine.any():
+                continue
+            worst = np.unravel_index(int(np.argmin(np.where(mine, depth, np.inf))), cut.grid.shape)
+            x, y, z = (float(c) for c in cut.grid.point[worst])
+            kind = f"{cause.name.lower()}_gouging" if cause <= Cause.GLOBAL else "overcut"
+            text = f"the {self.variant} {text} ({int(mine.sum())} samples)"
+            yield Finding(
+                kind, self.surface, 1e3 * float(depth[worst]), (x, y, z), None, None, self.judged, text
+            )  # fmt: skip
+
+    def _doubts(self, cut: ToolCut) -> Iterator[str]:
+        """Where the judged tool cuts nothing, or prediction, cut and search disagree."""
+        if self.judged:
+            yield from untouched(f"the surface with the {self.variant}", cut.deviation)
+            if not len(cut.rings.contact):
+                yield f"no contact of the {self.variant} was cut alone: prediction and cut were compared nowhere"
+        if cut.check_um > LIMIT_UM:
+            yield f"{self.variant}: machined points lie {cut.check_um:.3g} um off the tool (limit {LIMIT_UM:g})"
+        unknown, unpredicted = cut.made.count(Cause.UNKNOWN), cut.made.count(Cause.UNPREDICTED)
+        if unknown:
+            yield f"{self.variant}: {unknown} samples are cut through the window; raise metrology.window_mm"
+        if unpredicted or cut.rings.disagree.any():
+            yield (
+                f"{self.variant}: prediction and cut disagree at {int(cut.rings.disagree.sum())} contacts cut alone; "
+                f"{unpredicted} samples are overcut where nothing is predicted to gouge"
+            )
+
+
+def _check(
+    cutter: Profile, path: SculpturedPath, table: SegmentTable, rays: RayBundle, deviation: Deviation
+) -> float:  # fmt: skip
+    """Largest distance [um] of machined points from the tool over the whole path, by a search that shares no code.
+
+    A machined point must touch the tool at the nearest move and be inside it at none.
+    """
+    measured = np.flatnonzero(deviation.measured)
+    chosen = measured[:: max(1, len(measured) // _CHECKED)]
+    points = rays.origin[chosen] + deviation.value[chosen, None] * rays.direction[chosen]
+    ends = segment_ends(path, table)
+    start, end = path.touches.tip[ends[:, 0]], path.touches.tip[ends[:, 1]]
+    at_start = tool_distance(cutter, start, points[:, None])
+    least = at_start.min(axis=1, keepdims=True)
+    point, move = np.nonzero(at_start - np.linalg.norm(end - start, axis=1) <= least + 1e-9)  # no other can be nearer
+    distance = straight_distance(cutter, start[move], end[move], points[point])
+    nearest = np.full(len(points), np.inf)
+    np.minimum.at(nearest, point, distance)
+    return 1e3 * float(np.max(np.abs(nearest), initial=0.0))

@@ -1,0 +1,42 @@
+"""How the deviation under a motion of N points approaches that of the motion the points were taken from."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+
+@dataclass(frozen=True)
+class Series:
+    """Variants of more and more ``points`` of the motion ``of``, to be held against the ``exact`` one: names."""
+
+    of: str
+    exact: str
+    points: tuple[int, ...]
+    variants: tuple[str, ...]
+
+
+@dataclass(frozen=True)
+class Convergence:
+    """Largest change of the deviation [um] from the theoretical motion to one given by N points."""
+
+    points: tuple[int, ...]
+    worst_um: tuple[float, ...]
+
+    @property
+    def orders(self) -> list[float]:
+        """Observed order between consecutive N, by the ratio of the spacings (N - 1)."""
+        n, w = np.array(self.points) - 1.0, np.array(self.worst_um)
+        with np.errstate(divide="ignore", invalid="ignore"):
+            return [float(q) for q in np.log(w[:-1] / w[1:]) / np.log(n[1:] / n[:-1])]
+
+
+@dataclass(frozen=True)
+class ConvergenceMeasurement:
+    """The convergence of one surface's dense grid under a variant."""
+
+    surface: str
+    variant: str
+    convergence: Convergence
+    inspection: str = "convergence"

@@ -1,0 +1,126 @@
+"""Inspections: what is asked of the two roads, round by round, and what is read from the answers.
+
+An inspection is frozen data with one generator, ``steps``: it yields lists of questions and is sent their answers, in
+their order, until it returns its Reading. So whoever drives them joins the questions of all inspections of a job into
+one launch, and counts them without asking any.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Generator, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, NamedTuple, Protocol, TypeVar
+
+from gearsim.envelope import machined_along
+from gearsim.geometry.rays import RayBundle
+from gearsim.metrology.findings import Finding
+from gearsim.simulation.operation import Variant
+from gearsim.simulation.workshop import Workshop
+
+if TYPE_CHECKING:
+    from gearsim.metrology.job import Job
+
+T = TypeVar("T")
+
+
+class Cut(NamedTuple):
+    """What does a variant remove from rays? Answer: an IntervalSet, segments numbered through its operations."""
+
+    rays: RayBundle
+    variant: Variant
+
+
+class Solve(NamedTuple):
+    """Where do rays meet the envelope of a variant's one operation? Answer: an EnvelopeRoad."""
+
+    rays: RayBundle
+    variant: Variant
+
+
+Question = Cut | Solve
+Steps = Generator[list[Question], list[Any], T]
+
+
+class Measurement(Protocol):
+    """What was measured of a surface under a variant by an inspection; figures, charts, tables go by its class."""
+
+    @property
+    def surface(self) -> str: ...
+
+    @property
+    def variant(self) -> str: ...
+
+    @property
+    def inspection(self) -> str: ...
+
+
+@dataclass(frozen=True)
+class Reading:
+    """What an inspection found; ``doubts`` say why a verdict must not rest on it, ``judged`` the surfaces it judged."""
+
+    measurements: tuple[Any, ...] = ()
+    findings: tuple[Finding, ...] = ()
+    doubts: tuple[str, ...] = ()
+    judged: tuple[str, ...] = ()
+
+
+class Inspection(Protocol):
+    """Data that says which rays a job's part is asked for, under which variants, and reads the answers."""
+
+    @property
+    def name(self) -> str: ...
+
+    def steps(self, job: Job) -> Steps[Reading]:
+        """Questions, round by round; returns what was found. Variants and surfaces are the job's, by their names."""
+        ...
+
+
+def together(parts: Sequence[Steps[T]]) -> Steps[list[T]]:
+    """Several courses of questions as one, round by round; what they return, in their order."""
+    done: dict[int, T] = {}
+    answers: dict[int, list[Any] | None] = dict.fromkeys(range(len(parts)))
+    while len(done) < len(parts):
+        asked: dict[int, list[Question]] = {}
+        for i, answer in answers.items():
+            try:
+                asked[i] = next(parts[i]) if answer is None else parts[i].send(answer)
+            except StopIteration as stop:
+                done[i] = stop.value
+        if not asked:
+            break
+        found = iter((yield [question for questions in asked.values() for question in questions]))
+        answers = {i: [next(found) for _ in questions] for i, questions in asked.items()}
+    return [done[i] for i in range(len(parts))]
+
+
+def perform(
+    steps: Steps[T], workshop: Workshop, begin: Callable[[list[Question]], None] = lambda questions: None
+) -> T:  # fmt: skip
+    """Answer all questions, those of a round in one launch, and give what the steps return.
+
+    ``begin`` is told the first round's questions before anything is cut.
+    """
+    answers: list[Any] | None = None
+    while True:
+        try:
+            questions = next(steps) if answers is None else steps.send(answers)
+        except StopIteration as stop:
+            result: T = stop.value
+            return result
+        if answers is None:
+            begin(questions)
+        answers = answer(questions, workshop)
+
+
+def answer(questions: Sequence[Question], workshop: Workshop) -> list[Any]:
+    """The answers to questions, in their order."""
+    cuts = [(q.rays, q.variant.operations) for q in questions if isinstance(q, Cut)]
+    removed = iter(workshop.cut(cuts) if cuts else [])
+    answers: list[Any] = []
+    for q in questions:
+        if isinstance(q, Cut):
+            answers.append(next(removed))
+        else:
+            answers.append(machined_along(q.rays, q.variant.motions(), q.variant.cutter))
+            workshop.progress(len(q.rays))
+    return answers

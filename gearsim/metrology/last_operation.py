@@ -1,0 +1,30 @@
+"""Which operation made a surface last: its rows, to be asked again alone, by both roads."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gearsim.metrology.deviation import Deviation
+from gearsim.simulation.operation import Operation, Variant
+
+
+def made_last(name: str, whole: Variant, deviation: Deviation) -> Variant | None:
+    """The rows, from the first to the last that cut a surface under the program's last heading; one tool's.
+
+    None where nothing under that heading cuts a sample. ``deviation`` is that under the ``whole`` program.
+    """
+    segment = np.unique(deviation.segment[deviation.segment >= 0])
+    last = max(int(o.section.max(initial=-1)) for o in whole.operations)
+    first_row = np.cumsum([0, *map(len, whole.operations)])
+    for operation, row in zip(whole.operations, first_row, strict=False):
+        mine = segment[(segment >= row) & (segment < row + len(operation))] - row
+        mine = mine[operation.section[mine] == last]
+        if len(mine):
+            return Variant(name, f"the blocks of the last operation that made the surface ({operation.name})",
+                           (_between(operation, operation.step[mine]),))  # fmt: skip
+    return None
+
+
+def _between(operation: Operation, steps: NDArray[np.integer]) -> Operation:
+    return operation.part((operation.step >= steps.min()) & (operation.step <= steps.max()))

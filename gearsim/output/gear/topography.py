@@ -1,0 +1,104 @@
+"""Flank topography: whiskers on a grid with a scale bar, and a heat map with contours, left and right flank."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from math import degrees
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.ndimage import gaussian_filter1d
+
+from gearsim.metrology.gear_inspection import FlankMap
+from gearsim.output.charts import pyplot
+from gearsim.output.gear.style import (
+    NOISE_UM,
+    OUT,
+    SIDE_COLOURS,
+    TRACE,
+    Unit,
+    plain,
+    round_below,
+    round_text,
+    unit_for,
+)
+from gearsim.output.saving import Save
+from gearsim.surfaces.cylindrical_gear import SIDES, CylindricalGear, Side
+
+_ROWS, _COLUMNS = 9, 13
+
+
+def draw_topography(maps: Mapping[Side, FlankMap], gear: CylindricalGear, title: str, save: Save) -> None:
+    """One page: whiskers above, heat maps below, both sides to one scale."""
+    plt = pyplot()
+    figure, axes = plt.subplots(2, 2, figsize=(13, 9.6), constrained_layout=True)
+    unit = unit_for(np.concatenate([maps[s].deviation_um.ravel() for s in SIDES]))
+    largest = max(float(np.nanmax(np.abs(maps[s].deviation_um), initial=NOISE_UM)) for s in SIDES)
+    image = None
+    for (above, below), side in zip(axes.T, SIDES, strict=True):
+        whiskers(above, maps[side], gear, unit, largest)
+        image = _heat(below, maps[side], gear, unit, largest)
+    figure.colorbar(image, ax=list(axes[1]), label=f"deviation along the normal [{unit.name}]", aspect=25, pad=0.01)
+    figure.suptitle(f"{title}   (red: material left, blue: overcut)", fontsize=13, weight="bold")
+    save(figure, "topography.png", 130)
+
+
+def whiskers(axis: Any, flank: FlankMap, gear: CylindricalGear, unit: Unit, largest: float) -> None:
+    """A stroke a grid point, up for material left, as long as the scale bar says."""
+    rows = _chosen(len(flank.position), _ROWS)
+    columns = _chosen(len(flank.z), _COLUMNS)
+    um = flank.deviation_um[np.ix_(rows, columns)]
+    x, level = np.meshgrid(flank.z[columns], np.arange(len(rows), dtype=float))
+    tips = level + 0.8 * um / largest
+    for i in range(len(rows)):
+        axis.plot(x[i], level[i], color="0.75", lw=0.8)
+        axis.plot(x[i], tips[i], color=TRACE, lw=1.1)
+    for j in range(len(columns)):
+        axis.plot(x[:, j], level[:, j], color="0.88", lw=0.6)
+    colours = np.where(um.ravel() < 0.0, SIDE_COLOURS["left"], OUT)
+    axis.vlines(x.ravel(), level.ravel(), tips.ravel(), colors=list(colours), lw=2.2)
+    bar = round_below(largest)
+    right = flank.z.max() + 0.05 * np.ptp(flank.z)
+    axis.plot([right, right], [0.0, 0.8 * bar / largest], color="k", lw=1.6, marker="_", ms=8)
+    axis.text(right, 0.8 * bar / largest + 0.12, round_text(unit, bar), ha="center", va="bottom", fontsize=9)
+    angles = [f"{degrees(p / gear.base_radius):.1f}" for p in flank.position[rows]]
+    axis.set_yticks(level[:, 0], angles)
+    axis.set(xlim=(flank.z.min() - 0.03 * np.ptp(flank.z), right + 0.05 * np.ptp(flank.z)), ylim=(-1.0, len(rows)))
+    _labels(axis, flank, unit)
+
+
+def _heat(axis: Any, flank: FlankMap, gear: CylindricalGear, unit: Unit, largest: float) -> Any:
+    """The whole map, with contours of the map smoothed along the face (feed marks would fill it)."""
+    angle = np.degrees(flank.position / gear.base_radius)
+    shown = unit.per_um * flank.deviation_um
+    limit = unit.per_um * largest
+    image = axis.pcolormesh(flank.z, angle, shown, cmap="RdBu_r", vmin=-limit, vmax=limit, shading="gouraud")
+    smooth = gaussian_filter1d(shown, shown.shape[1] / 40.0, axis=1, mode="nearest")
+    known = smooth[np.isfinite(smooth)]
+    if known.size and np.ptp(known) > 0.2 * limit:
+        lines = axis.contour(flank.z, angle, smooth, levels=7, colors="k", linewidths=0.7)
+        axis.clabel(lines, fontsize=8, fmt="%.3g")
+    axis.set_facecolor("0.85")
+    if flank.position[0] > flank.position[-1]:
+        axis.set_ylim(angle.max(), angle.min())
+    _labels(axis, flank, unit)
+    return image
+
+
+def _labels(axis: Any, flank: FlankMap, unit: Unit) -> None:
+    um = flank.deviation_um
+    missing = int(np.isnan(um).sum())
+    known = um[np.isfinite(um)]
+    span = f"{unit.text(known.min(), True)} to {unit.text(known.max(), True)} {unit.name}" if known.size else "none"
+    axis.set_title(
+        f"{flank.side} flank, space {flank.space + 1}: {span}" + (f", {missing} points missing" if missing else ""),
+        fontsize=10, loc="left",
+    )  # fmt: skip
+    axis.set_xlabel("z [mm], datum face at the right", fontsize=9)
+    axis.set_ylabel("roll angle [°], tip up", fontsize=9)
+    plain(axis)
+
+
+def _chosen(count: int, most: int) -> NDArray:
+    return np.unique(np.linspace(0, count - 1, min(count, most)).round().astype(int))

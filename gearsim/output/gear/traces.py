@@ -1,0 +1,257 @@
+"""Profile and helix traces as on an inspection sheet: left flanks left, right flanks right, one line a trace.
+
+Traces stand upright: the tip (the datum face) is up. Extra material goes outward, to the left on left flanks and to the
+right on right flanks, as if one looked at a tooth.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from math import degrees
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gearsim.metrology.gear_traces import GearTraces, TraceDeviations
+from gearsim.output.charts import pyplot
+from gearsim.output.gear.style import (
+    BAND,
+    LIMIT,
+    MEAN,
+    NOISE_UM,
+    OUT,
+    SYMBOLS,
+    TRACE,
+    Unit,
+    evenly,
+    round_below,
+    round_text,
+    unit_for,
+)
+from gearsim.output.saving import Save
+from gearsim.surfaces.cylindrical_gear import SIDES, CylindricalGear, Side
+
+TEETH = 4
+_HALF = 0.43
+_GAP = 0.5
+_BAND_LIMIT = 3.0
+_LETTER = {"profile": "alpha", "helix": "beta"}
+
+
+@dataclass(frozen=True)
+class TraceScale:
+    """``um`` that half a column's width stands for; ``band``: whether the tolerance band fits into a column."""
+
+    um: float
+    unit: Unit
+    mean_unit: Unit
+    band: bool
+
+
+def draw_traces(
+    traces: Mapping[Side, GearTraces],
+    gear: CylindricalGear,
+    tolerances_um: Mapping[str, float],
+    title: str,
+    name: str,
+    save: Save,
+) -> None:
+    """One page of profile or of helix traces, both sides, with their numbers and the tolerance band."""
+    plt = pyplot()
+    columns = max(min(len(t.teeth), TEETH) * len(t.stations) for t in traces.values())
+    width = float(np.clip(2.6 + columns, 9.0, 15.0))
+    panel = 0.5 * (width - 2.6)
+    figure = plt.figure(figsize=(width, 7.4))
+    figure.text(0.5, 0.965, title, ha="center", va="center", fontsize=13, weight="bold")
+    axes = [figure.add_axes((x / width, 0.17, panel / width, 0.66)) for x in (1.0, 1.65 + panel)]
+    draw_trace_panels(axes, traces, gear, tolerances_um, 8.5)
+    save(figure, name, 130)
+
+
+def draw_trace_panels(
+    axes: Sequence[Any], traces: Mapping[Side, GearTraces], gear: CylindricalGear,
+    tolerances_um: Mapping[str, float], font: float,
+) -> None:  # fmt: skip
+    """The left and the right panel, to one scale; needs room for 3 lines above each and 5 below."""
+    scale = _scale(traces.values(), tolerances_um)
+    for axis, side in zip(axes, SIDES, strict=True):
+        _panel(axis, traces[side], tolerances_um, scale, font)
+        _axis_labels(axis, traces[side], gear, font)
+
+
+def _scale(traces: Any, tolerances_um: Mapping[str, float]) -> TraceScale:
+    """One scale for all drawn traces; the band is drawn unless it would make the traces flat."""
+    size, values, means, band = NOISE_UM, [], [], 0.0
+    for t in traces:
+        found = t.evaluated()
+        shown = evenly(len(t.teeth), TEETH)
+        rest = _centred(t, found)[shown][..., _evaluated(t)]
+        size = max(size, _largest(rest), 0.5 * _largest(found.slope_um[shown]))
+        values += [found.slope_um[shown].ravel(), found.total_um[shown].ravel()]
+        means += [_mean(found)[shown].ravel()]
+        band = 0.5 * tolerances_um[f"F_{_LETTER[t.kind]}"]
+    fits = band <= _BAND_LIMIT * size
+    units = unit_for(np.concatenate(values)), unit_for(np.concatenate(means))
+    return TraceScale(1.05 * (max(size, band) if fits else size), *units, fits)
+
+
+def _panel(axis: Any, traces: GearTraces, tolerances_um: Mapping[str, float], scale: TraceScale, font: float) -> None:
+    """Band, nominal line, trace and mean line of every column, with what belongs above and below."""
+    found = traces.evaluated()
+    outward = -1.0 if traces.side == "left" else 1.0
+    centred, mean, span = _centred(traces, found), _mean(found), traces.span
+    shown = evenly(len(traces.teeth), TEETH)
+    stations = len(traces.stations)
+    places = np.array([[g * (stations + _GAP) + k for k in range(stations)] for g in range(len(shown))])
+    half_band = 0.5 * tolerances_um[f"F_{_LETTER[traces.kind]}"] / scale.um * _HALF
+    for (g, k), x in np.ndenumerate(places):
+        tooth = shown[g]
+        curve = centred[tooth, k] / scale.um
+        if scale.band and found.complete[tooth, k]:
+            part = curve[_evaluated(traces)]
+            middle = x + outward * _HALF * 0.5 * (part.min() + part.max())
+            axis.fill_betweenx([span.first, span.last], middle - half_band, middle + half_band, color=BAND, lw=0)
+        axis.plot([x, x], [span.start, span.end], color="0.6", lw=0.6)
+        curve = np.where(np.abs(curve) <= 1.12, curve, np.nan)
+        axis.plot(x + outward * _HALF * curve, traces.position, color=TRACE, lw=1.1)
+        line = (found.line_um[tooth, k] - mean[tooth, k]) / scale.um
+        axis.plot(x + outward * _HALF * line, [span.start, span.end], color=MEAN, lw=0.9, ls=(0, (5, 2)))
+        _numbers(axis, x, traces, found, (tooth, k), tolerances_um, scale, font)
+        _above(axis, x, _station(traces, k), 1, font)
+    for g, tooth in enumerate(shown):
+        _above(axis, places[g].mean(), f"space {traces.teeth[tooth] + 1}", 2, font, weight="bold")
+    for limit in (span.first, span.last):
+        axis.axhline(limit, color=LIMIT, lw=0.7, ls=":")
+    _frame(axis, traces, scale, tolerances_um, (places.min() - 0.6, places.max() + 0.6), font)
+    _row_labels(axis, traces.kind, scale, font)
+
+
+def _centred(traces: GearTraces, found: TraceDeviations) -> NDArray:
+    """Deviations from the design, each trace about the middle of its mean line."""
+    own = traces.from_design_um
+    known = np.nansum(own, axis=-1) / np.maximum(np.isfinite(own).sum(axis=-1), 1)
+    return own - np.where(found.complete, _mean(found), known)[..., None]
+
+
+def _largest(values: NDArray) -> float:
+    return float(np.nanmax(np.abs(values), initial=0.0))
+
+
+def _mean(found: TraceDeviations) -> NDArray:
+    """Height [um] of the mean lines at the middle of the active flank."""
+    return found.line_um.mean(axis=-1)
+
+
+def _evaluated(traces: GearTraces) -> NDArray:
+    share, (a, b) = traces.span.share(traces.position), traces.span.share([traces.span.first, traces.span.last])
+    return (share >= a - 1e-9) & (share <= b + 1e-9)
+
+
+def _station(traces: GearTraces, k: int) -> str:
+    return f"{traces.stations[k]:.1f}".replace("-", "−")
+
+
+def _numbers(
+    axis: Any, x: float, traces: GearTraces, found: TraceDeviations, at: tuple[int, int],
+    tolerances_um: Mapping[str, float], scale: TraceScale, font: float,
+) -> None:  # fmt: skip
+    """f_H, f_f, F and the mean under a column; what exceeds its tolerance in red."""
+    letter = _LETTER[traces.kind]
+    rows = ((f"f_H{letter}", found.slope_um), (f"f_f{letter}", found.form_um), (f"F_{letter}", found.total_um))
+    for i, (name, values) in enumerate(rows):
+        out = abs(values[at]) > tolerances_um[name]
+        style = {"color": OUT, "weight": "bold"} if out else {"color": "k"}
+        _below(axis, x, scale.unit.text(values[at]), i, font, **style)
+    _below(axis, x, scale.mean_unit.text(_mean(found)[at]), 3, font, color="0.45")
+
+
+def _row_labels(axis: Any, kind: str, scale: TraceScale, font: float) -> None:
+    letter = _LETTER[kind]
+    left = axis.get_xlim()[0]
+    for i, name in enumerate((f"f_H{letter}", f"f_f{letter}", f"F_{letter}")):
+        _below(axis, left, f"{SYMBOLS[name]} [{scale.unit.name}]", i, font, ha="right")
+    _below(axis, left, f"mean [{scale.mean_unit.name}]", 3, font, ha="right", color="0.45")
+    _above(axis, left, "z [mm]" if kind == "profile" else "d [mm]", 1, font, ha="right")
+
+
+def _below(axis: Any, x: float, text: str, row: float, font: float, ha: str = "center", **style: Any) -> None:
+    offset = (0.0, -(0.7 + 1.45 * row) * font)
+    axis.annotate(
+        text, (x, 0.0), xycoords=axis.get_xaxis_transform(), xytext=offset, textcoords="offset points", ha=ha,
+        va="top", fontsize=0.92 * font, annotation_clip=False, **style,
+    )  # fmt: skip
+
+
+def _above(axis: Any, x: float, text: str, row: float, font: float, ha: str = "center", **style: Any) -> None:
+    axis.annotate(
+        text, (x, 1.0), xycoords=axis.get_xaxis_transform(), xytext=(0.0, (1.45 * row - 0.95) * font),
+        textcoords="offset points", ha=ha, va="bottom", fontsize=0.92 * font, annotation_clip=False, **style,
+    )  # fmt: skip
+
+
+def _frame(
+    axis: Any, traces: GearTraces, scale: TraceScale, tolerances_um: Mapping[str, float],
+    x: tuple[float, float], font: float,
+) -> None:  # fmt: skip
+    """Limits, title and scale bar."""
+    span = traces.span
+    low, high = (span.start, span.end) if traces.kind == "profile" else (span.end, span.start)
+    room = 0.035 * (high - low)
+    axis.set(xlim=x, ylim=(low - room, high + room), xticks=[])
+    axis.spines[["top", "bottom"]].set_color("0.8")
+    axis.spines[["left", "right"]].set_color("0.8")
+    axis.tick_params(labelsize=font, width=0.6, color="0.5")
+    _above(axis, 0.5 * sum(x), f"{traces.side} flanks", 3, 1.12 * font, weight="bold")
+    if traces.side == "left":
+        _above(axis, x[0], "◀ extra material", 3, font, ha="left", color="0.35")
+    else:
+        _above(axis, x[1], "extra material ▶", 3, font, ha="right", color="0.35")
+    _scale_bar(axis, x[1] if traces.side == "left" else x[0], scale, font)
+    band = tolerances_um[f"F_{_LETTER[traces.kind]}"]
+    symbol = SYMBOLS[f"F_{_LETTER[traces.kind]}"]
+    shown = "band" if scale.band else "not drawn, wider than a column"
+    text = f"tolerance {symbol} = {band:g} µm ({shown});  dashed: mean line;  dotted: evaluated part"
+    if traces.side == "left":
+        _below(axis, x[0], text, 4.3, 0.95 * font, ha="left", color="0.35")
+
+
+def _scale_bar(axis: Any, end: float, scale: TraceScale, font: float) -> None:
+    """A bar of round length beside the panel's title, at its inner end, with the length as text."""
+    from matplotlib.transforms import offset_copy
+
+    um = round_below(scale.um)
+    length = _HALF * um / scale.um
+    inward = -1.0 if end > axis.get_xlim()[0] + 1e-9 else 1.0
+    raised = offset_copy(axis.get_xaxis_transform(), axis.figure, y=(1.45 * 3 - 0.55) * font, units="points")
+    style = {"color": "k", "lw": 1.6, "marker": "|", "ms": 0.8 * font}
+    axis.plot([end, end + inward * length], [1.0, 1.0], transform=raised, clip_on=False, **style)
+    side = "right" if inward < 0.0 else "left"
+    _above(axis, end + inward * (length + 0.15), round_text(scale.unit, um), 3, font, ha=side)
+
+
+def _axis_labels(axis: Any, traces: GearTraces, gear: CylindricalGear, font: float) -> None:
+    """Roll angle at the outer left and diameter at the outer right of profiles; z of helices at the left."""
+    span, side = traces.span, traces.side
+    if side == "right":
+        axis.yaxis.tick_right()
+        axis.yaxis.set_label_position("right")
+    if traces.kind == "helix":
+        axis.set_ylabel("z [mm], datum face up", fontsize=font)
+        return
+    if side == "left":
+        low, high = sorted(degrees(p / gear.base_radius) for p in (span.start, span.end))
+        ticks = _round_ticks(low, high)
+        axis.set_yticks(np.radians(ticks) * gear.base_radius, [f"{t:g}" for t in ticks])
+        axis.set_ylabel("roll angle [°], tip up", fontsize=font)
+        return
+    low, high = sorted(2.0 * gear.radius(np.array([span.start, span.end]) / gear.base_radius))
+    ticks = _round_ticks(low, high)
+    axis.set_yticks(gear.roll(0.5 * ticks) * gear.base_radius, [f"{t:g}" for t in ticks])
+    axis.set_ylabel("diameter [mm], tip up", fontsize=font)
+
+
+def _round_ticks(low: float, high: float) -> NDArray:
+    step = round_below((high - low) / 4.0)
+    return np.arange(np.ceil(low / step - 1e-9), high / step + 1e-9) * step + 0.0

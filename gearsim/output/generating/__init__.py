@@ -1,1 +1,0 @@
-"""Files of a run that generates surfaces: figures, report, maps and pictures."""

@@ -1,0 +1,286 @@
+"""Surfaces measured on grids: figures, tables of what each variant costs, maps, samples, deviation.png, meshes."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from datetime import date
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from rich.console import Console
+from rich.table import Table
+
+from gearsim.envelope import envelope_points
+from gearsim.envelope.candidates import Kind
+from gearsim.metrology.deviation import Crossing
+from gearsim.metrology.grid import COARSE, DENSE, GridMeasurement
+from gearsim.metrology.topography import Topography
+from gearsim.output.charts import draw_grids
+from gearsim.output.draw_tooth import tooth_arrays
+from gearsim.output.flank_sheet import Sheet, draw_sheet
+from gearsim.output.layers import patch_arrays, view_arrays
+from gearsim.output.markdown import table, um
+from gearsim.output.presenters import slug
+from gearsim.output.saving import Save
+from gearsim.output.summary import gap_figures, number, numbers, worst_at
+from gearsim.result import Result
+
+_CROSSINGS = np.array([c.name.lower() for c in Crossing])
+_CLASSES = np.array(["none", *(k.name.lower() for k in Kind)])
+_FROM_TIP_TO_TIP = ("concave", "concave fillet", "bottom", "convex fillet", "convex")
+_ROTATIONS = ("mid_rotation_um", "best_rotation_um")
+
+
+def figures(m: GridMeasurement) -> dict[str, Any]:
+    """Deviations, where the worst lies, how far the roads are apart; an inspector's grid point by point."""
+    points = m.grid.point[m.measurable]
+    out: dict[str, Any] = {
+        "samples": int(m.measurable.size),
+        "missing": int(m.missing.sum()),
+        "trimmed": int(m.trimmed.sum()),
+        "deviation_um": m.deviation.summary_um(),
+        "worst_at": worst_at(m.grid, m.deviation),
+        "envelope_gap_um": gap_figures(points, m.gap),
+    }
+    return out if m.topography is None else {**out, "topography": _topography(m.topography)}
+
+
+def _topography(t: Topography) -> dict[str, Any]:
+    return {
+        "as_cut_um": numbers(t.as_cut_um),
+        "mid_zeroed_um": numbers(t.mid_zeroed_um),
+        "best_rotated_um": numbers(t.best_rotated_um),
+        "mid_rotation_um": number(t.mid_rotation_um),
+        "mid_rotation_deg": number(t.rotation_deg(t.mid_rotation_um)),
+        "best_rotation_um": number(t.best_rotation_um),
+        "best_rotation_deg": number(t.rotation_deg(t.best_rotation_um)),
+        "radius_mm": t.mid_radius_mm,
+    }
+
+
+def sections(result: Result, found: Sequence[GridMeasurement]) -> dict[str, str]:
+    """What each variant costs; whether it can be trusted; the inspector's grid."""
+    dense = [m for m in found if m.inspection == DENSE]
+    return {"costs": _costs(dense), "trust": _roads(dense), "details": _inspection(result, found)}
+
+
+def _costs(dense: Sequence[GridMeasurement]) -> str:
+    lines = "".join(f"- **{name}**: {text}\n" for name, text in {m.variant: m.by.text for m in dense}.items())
+    rows = []
+    for m in dense:
+        d = m.deviation.summary_um()
+        values = [um(d[k]) for k in ("min", "max", "mean", "rms")]
+        rows.append([f"{m.surface}: {m.variant}", *values, d["uncut"], d["through"]])
+    head = ["Deviation from the intended surface [µm]", "min", "max", "mean", "RMS", "uncut", "cut through"]
+    return f"## What each motion cuts\n\n{lines}\n" + table(head, rows)
+
+
+def _roads(dense: Sequence[GridMeasurement]) -> str:
+    rows = []
+    for m in dense:
+        if m.gap is not None:
+            share = ", ".join(f"{k} {100 * v:.1f} %" for k, v in m.gap.road.share().items() if v)
+            gap = f"{1e3 * m.gap.max_um:.2g}"
+            rows.append([f"{m.surface}: {m.variant}", gap, m.gap.valid, m.gap.excluded, m.gap.disagree, share])
+    alone = list(dict.fromkeys(m.surface for m in dense if m.gap is None))
+    alone = [name for name in alone if all(m.gap is None for m in dense if m.surface == name)]
+    one = f"\nBy the kernel alone: {', '.join(alone)}.\n" if alone else ""
+    counted = "".join(
+        f"- {m.surface}: {m.missing.size:,} samples, {int(m.missing.sum()):,} without a point of the closed form, "
+        f"{int(m.trimmed.sum()):,} trimmed by the generating motion itself\n"
+        for m in {m.surface: m for m in dense if not m.measurable.all()}.values()
+    )
+    return (
+        "The machined surface is found by two roads: the closed-form envelope of the exact motion, trimmed; and a "
+        "kernel that sweeps the cutter through rays and knows no envelope condition. They must agree to 1 nm.\n\n"
+        + table(["Largest gap of the two roads", "nm", "samples", "excluded", "disagree", "classes"], rows)
+        + one + (f"\n{counted}" if counted else "")
+    )  # fmt: skip
+
+
+def _inspection(result: Result, found: Sequence[GridMeasurement]) -> str:
+    mine = [m for m in found if m.inspection == COARSE and m.variant == result.job.main and m.topography]
+    if not mine:
+        return ""
+    out = [f"## Inspector's grid under {result.job.main} [µm]\n\nRows root to tip, columns toe to heel.\n"]
+    for m in mine:
+        assert m.topography is not None
+        t = _topography(m.topography)
+        mid, best = (f"turned by {um(t[k])} µm at r = {t['radius_mm']:.2f} mm" for k in _ROTATIONS)
+        kinds = {
+            "as cut": "as_cut_um",
+            f"mid-point zeroed ({mid})": "mid_zeroed_um",
+            f"best rotated ({best})": "best_rotated_um",
+        }
+        for text, key in kinds.items():
+            rows = [[f"row {i + 1}", *map(um, row)] for i, row in enumerate(t[key])]
+            out.append(table([f"{m.surface}, {text}", *(str(i + 1) for i in range(len(t[key][0])))], rows))
+    return "\n".join(out)
+
+
+def screen(result: Result, found: Sequence[GridMeasurement], console: Console) -> None:
+    """Deviations by surface and variant, and how well the roads agree."""
+    dense = [m for m in found if m.inspection == DENSE]
+    shown = Table(title=f"{result.name}: deviation in um, + material left, - overcut")
+    for head in ("surface and motion", "min", "max", "mean", "rms"):
+        shown.add_column(head, justify="left" if head.startswith("surface") else "right")
+    for m in dense:
+        d = m.deviation.summary_um()
+        shown.add_row(f"{m.surface}: {m.variant}", *(_short(d[k]) for k in ("min", "max", "mean", "rms")))
+    console.print(shown)
+    gaps = [m.gap for m in dense if m.gap is not None]
+    if gaps:
+        largest = 1e3 * max(g.max_um for g in gaps)
+        console.print(
+            f"Two roads agree to {largest:.2g} nm over {sum(g.valid for g in gaps):,} samples "
+            f"({sum(g.excluded for g in gaps)} excluded)."
+        )
+
+
+def _short(x: float | int | None) -> str:
+    if x is None:
+        return "-"
+    return f"{x:.1f}" if abs(x) >= 100.0 else f"{x:.4f}" if abs(x) >= 5e-5 else "0"
+
+
+def charts(result: Result, found: Sequence[GridMeasurement], save: Save) -> dict[str, str]:
+    """deviation.png: a map of every surface that has a tolerance under every variant."""
+    dense = [m for m in found if m.inspection == DENSE]
+    captions = _sheet(result, found, save)
+    draw_grids(result, dense, save)
+    return captions | {"deviation.png": "Deviation maps of every surface under every motion"}
+
+
+def _sheet(result: Result, found: Sequence[GridMeasurement], save: Save) -> dict[str, str]:
+    """inspection.png: the flanks that were measured on an inspector's grid, under the whole program."""
+    main, halves = result.job.main, []
+    for m in found:
+        if m.inspection == COARSE and m.variant == main and m.topography is not None:
+            halves += [Sheet(m, dense) for dense in _of(found, m.surface) if dense.variant == main]
+    tolerances = [result.job.part.surfaces[h.coarse.surface].tolerance for h in halves]
+    limits = [t.excess_um for t in tolerances if t is not None and np.isfinite(t.excess_um)]
+    if not halves or not limits:
+        return {}
+    draw_sheet(f"{result.name}: inspection of the flanks", _lines(result), halves, min(limits), "inspection.png", save)
+    return {"inspection.png": "Inspection sheet: the inspector's grid and the dense map under the whole program"}
+
+
+def _lines(result: Result) -> list[str]:
+    """What the sheet says of the job: date, program, tools, machine, verdict."""
+    operations = {o.name: o.cutter.name for v in result.job.variants if v.name == result.job.main for o in v.operations}
+    tools = ", ".join(f"{name}: {cutter}" for name, cutter in operations.items())
+    machine = (result.scene.get("program") or {}).get("machine") or result.scene.get("machine") or {}
+    kind = f"; machine {machine['kind']}" if isinstance(machine.get("kind"), str) else ""
+    return [
+        f"{date.today().isoformat()}, gearsim {result.versions['gearsim']}, simulated; verdict: {result.verdict}",
+        f"under {result.job.main}: {tools}{kind}; {result.frame}",
+    ]
+
+
+def layers(result: Result, found: Sequence[GridMeasurement]) -> dict[str, NDArray]:
+    """The machined surfaces as they are after the whole program."""
+    arrays: dict[str, NDArray] = {}
+    for m in _main(result, found):
+        arrays |= patch_arrays(m.grid, m.deviation)
+    return arrays | _tooth(result, _main(result, found))
+
+
+def _tooth(result: Result, main: Sequence[GridMeasurement]) -> dict[str, NDArray]:
+    """A bevel gear's slot among its neighbours, where all its surfaces were measured from tip to tip."""
+    blank = main[0].grid.patch.blank if main else None
+    by_name = {m.surface: m for m in main}
+    names = [name for name in _FROM_TIP_TO_TIP if name in by_name]
+    if blank is None or len(names) < len(_FROM_TIP_TO_TIP):
+        return {}
+    tolerances = [result.job.part.surfaces[name].tolerance for name in names]
+    limits = [t.excess_um for t in tolerances if t is not None and np.isfinite(t.excess_um)]
+    known = np.concatenate([m.deviation.value[np.isfinite(m.deviation.value)] for m in main])
+    limit = min(limits) if limits else max(1e3 * float(np.abs(known).max(initial=0.0)), 1e-3)
+    what = "colours span the tolerance" if limits else "colours span the deviations"
+    view = view_arrays(blank, by_name["bottom"].grid)
+    return view | tooth_arrays(names, blank.teeth, limit, f"{what}, {limit:.3g} um either way")
+
+
+def maps(result: Result, found: Sequence[GridMeasurement]) -> dict[str, dict[str, dict[str, NDArray]]]:
+    """deviation.exr: one part a surface, the whole program in the plain channels."""
+    parts = {}
+    for m in _main(result, found):
+        channels = {
+            "deviation.um": 1e3 * m.deviation.value,
+            "segment.id": m.deviation.segment,
+            "valid": m.deviation.measured,
+        }
+        for other in _of(found, m.surface):
+            if other is not m:
+                channels[f"{slug(other.variant)}.deviation.um"] = 1e3 * other.deviation.value
+            if other.gap is not None:
+                channels[f"{slug(other.variant)}.gap.um"] = other.gap_um
+        for name, vectors in (("P", m.grid.point), ("N", m.grid.normal)):
+            channels |= {f"{name}.{axis}": vectors[..., k] for k, axis in enumerate("XYZ")}
+        parts[m.surface] = channels
+    return {"deviation.exr": parts}
+
+
+def rows(result: Result, found: Sequence[GridMeasurement]) -> list[dict[str, NDArray[Any]]]:
+    """Every dense sample of every surface under all its variants, one row each."""
+    return [_rows(_of(found, m.surface)) for m in _main(result, found)]
+
+
+def _rows(variants: list[GridMeasurement]) -> dict[str, NDArray[Any]]:
+    any_one = variants[0]
+    grid = any_one.grid
+    row, column = np.indices(grid.shape)
+    curvature = grid.patch.jet(grid.phi.ravel(), grid.v.ravel()).curvature()
+    out: dict[str, NDArray[Any]] = {
+        "surface": np.full(grid.phi.size, any_one.surface), "row": row, "column": column, "u": grid.phi, "v": grid.v,
+        "length_share": np.broadcast_to(grid.length, grid.shape),
+        "height_share": np.broadcast_to(grid.height[:, None], grid.shape),
+    }  # fmt: skip
+    for name, vectors in (("{}_mm", grid.point), ("n{}", grid.normal)):
+        out |= {name.format(axis): vectors[..., k] for k, axis in enumerate("xyz")}
+    out |= {"intended_k1_per_mm": curvature.k1, "intended_k2_per_mm": curvature.k2}
+    out |= {"missing": any_one.missing, "trimmed": any_one.trimmed}
+    for m in variants:
+        name = slug(m.variant)
+        out |= {
+            f"{name}_um": 1e3 * m.deviation.value,
+            f"{name}_crossing": _CROSSINGS[m.deviation.crossing],
+            f"{name}_segment": m.deviation.segment,
+        }
+        if m.gap is not None:
+            out |= _road_columns(m, name)
+    return {name: np.ravel(values) for name, values in out.items()}
+
+
+def _road_columns(m: GridMeasurement, name: str) -> dict[str, NDArray[Any]]:
+    """What the envelope road says of a measurement's samples, and the machined surface's principal curvatures."""
+    assert m.gap is not None
+    road, measurable = m.gap.road, m.measurable
+
+    def on_grid(values: NDArray, rest: Any) -> NDArray:
+        out = np.full(m.grid.shape, rest, dtype=values.dtype)
+        out[measurable] = values
+        return out
+
+    k1, k2 = np.full(road.kind.shape, np.nan), np.full(road.kind.shape, np.nan)
+    for path, source in enumerate(m.by.motions()):
+        on = (road.kind == Kind.ENVELOPE) & (road.path == path)
+        where = (c[on] for c in (road.piece, road.t, road.element, road.s, road.branch))
+        curvature = envelope_points(source, m.by.cutter, *where).curvature()
+        k1[on], k2[on] = curvature.k1, curvature.k2
+    return {
+        f"{name}_gap_um": m.gap_um,
+        f"{name}_envelope_um": on_grid(1e3 * road.deviation, np.nan),
+        f"{name}_class": on_grid(_CLASSES[road.kind], "none"),
+        f"{name}_k1_per_mm": on_grid(k1, np.nan),
+        f"{name}_k2_per_mm": on_grid(k2, np.nan),
+    }
+
+
+def _main(result: Result, found: Sequence[GridMeasurement]) -> list[GridMeasurement]:
+    return [m for m in found if m.inspection == DENSE and m.variant == result.job.main]
+
+
+def _of(found: Sequence[GridMeasurement], surface: str) -> list[GridMeasurement]:
+    return [m for m in found if m.inspection == DENSE and m.surface == surface]

@@ -1,0 +1,116 @@
+"""The drawing processes: one for flat pictures, one for 3D; each loads its library while the kernels still run.
+
+``python -m gearsim.output.painting flat|solid`` waits for a line with a folder and formats, and draws what the result
+pickled in it holds. A machine without OpenGL ends the 3D process, not the run.
+"""
+
+from __future__ import annotations
+
+import json
+import pickle
+import subprocess
+import sys
+from collections.abc import Callable
+from pathlib import Path
+
+from gearsim.result import Result
+
+RESULT = "_result.pickle"
+KINDS = ("flat", "solid")
+_REMEDY = "They need OpenGL without a screen; on Debian or Ubuntu: apt-get install libegl1 libgl1-mesa-dri"
+
+
+class Painters:
+    """Both drawing processes, started at once and waiting for a result; use as a context to be sure they end."""
+
+    def __init__(self) -> None:
+        self._processes = {kind: _start(kind) for kind in KINDS}
+        self._folder: Path | None = None
+
+    def __enter__(self) -> Painters:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        for process in self._processes.values():
+            if process.poll() is None:
+                process.kill()
+            process.communicate()
+
+    def draw(self, result: Result, folder: Path, formats: tuple[str, ...] = ()) -> None:
+        """Start drawing a result into a folder; ``formats`` beside PNG."""
+        self._folder = folder
+        with (folder / RESULT).open("wb") as file:
+            pickle.dump(result, file, protocol=pickle.HIGHEST_PROTOCOL)
+        for process in self._processes.values():
+            assert process.stdin is not None
+            try:
+                process.stdin.write(json.dumps([str(folder), formats]) + "\n")
+                process.stdin.flush()
+            except BrokenPipeError:  # it has ended; finish() says why
+                pass
+
+    def finish(self) -> tuple[dict[str, str], list[str]]:
+        """Wait; the captions of all pictures by file name, and what could not be drawn, one line each."""
+        assert self._folder is not None
+        captions: dict[str, str] = {}
+        missing: list[str] = []
+        for kind, process in self._processes.items():
+            errors = process.communicate()[1]
+            told = self._folder / f"_{kind}.json"
+            drawn = json.loads(told.read_text(encoding="utf-8")) if told.exists() else {}
+            captions |= {name: text for name, text in drawn.items() if (self._folder / name).exists()}
+            if process.returncode:
+                missing.append(_reason(kind, [n for n in drawn if n not in captions], errors, process.returncode))
+            told.unlink(missing_ok=True)
+        (self._folder / RESULT).unlink(missing_ok=True)
+        return captions, missing
+
+
+def _start(kind: str) -> subprocess.Popen[str]:
+    command = [sys.executable, "-P", "-m", "gearsim.output.painting", kind]
+    pipe = subprocess.PIPE
+    return subprocess.Popen(command, stdin=pipe, stdout=subprocess.DEVNULL, stderr=pipe, text=True)
+
+
+def _reason(kind: str, names: list[str], errors: str, code: int) -> str:
+    said = (errors.strip().splitlines() or [f"the drawing process ended with code {code}"])[-1]
+    what = "3D pictures" if kind == "solid" else "charts"
+    listed = f" ({', '.join(names)})" if names else ""
+    return f"{what}{listed}: {said}" + (f". {_REMEDY}" if kind == "solid" else "")
+
+
+def main(kind: str) -> None:
+    """Load the library, wait for a folder, draw."""
+    draw = _flat if kind == "flat" else _solid
+    paint = draw()
+    line = sys.stdin.readline()
+    if not line:
+        return
+    place, formats = json.loads(line)
+    folder = Path(place)
+    with (folder / RESULT).open("rb") as file:
+        result = pickle.load(file)  # our own, written a moment ago
+
+    def tell(captions: dict[str, str]) -> None:
+        (folder / f"_{kind}.json").write_text(json.dumps(captions), encoding="utf-8")
+
+    paint(result, folder, tuple(formats), tell)
+
+
+Paint = Callable[[Result, Path, tuple[str, ...], Callable[[dict[str, str]], None]], None]
+
+
+def _flat() -> Paint:
+    from gearsim.output.charts import chart_all
+
+    return chart_all
+
+
+def _solid() -> Paint:
+    from gearsim.output.drawer import draw_all
+
+    return draw_all
+
+
+if __name__ == "__main__":
+    main(sys.argv[1])

@@ -1,0 +1,167 @@
+"""Cylindrical gears milled by end mills on a five-axis machine: planned, posted and read back, or read from a file."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from pathlib import Path
+
+import numpy as np
+
+from gearsim.errors import InputError, read_input
+from gearsim.machines.chain import Machine
+from gearsim.metrology.dexel_check import DexelInspection
+from gearsim.metrology.gear_inspection import gear_size
+from gearsim.metrology.gear_iso import GearProbing, ProbedGear
+from gearsim.metrology.gear_reach import ReachInspection
+from gearsim.metrology.gear_roughness import RoughnessInspection
+from gearsim.metrology.gear_section import SectionInspection, SpaceInspection, section_rays, space_box
+from gearsim.metrology.grid import GridInspection
+from gearsim.metrology.inspection import Inspection
+from gearsim.metrology.job import Job
+from gearsim.metrology.program_times import ProgramInspection
+from gearsim.metrology.rapid_check import RapidInspection
+from gearsim.processes.frames import FACE_FRAME
+from gearsim.processes.gear_budget import disturbed_operations, gear_budget
+from gearsim.processes.settings import settings
+from gearsim.programs.gcode import Program, ReadSettings, read_program
+from gearsim.programs.post import write_program
+from gearsim.programs.post_options import Header
+from gearsim.scene import GenerationMillingScene, scene_table
+from gearsim.scene.generation_milling import ErrorsTable
+from gearsim.simulation.disturbance import Disturbance
+from gearsim.simulation.operation import Variant
+from gearsim.surfaces.cylindrical_gear import SIDES, CylindricalGear, Side
+from gearsim.surfaces.gear_stock import gear_stock
+from gearsim.surfaces.part import Intended, Part, Tolerance
+from gearsim.surfaces.reached_flank import ReachedFlank
+from gearsim.toolpaths.cylindrical.limits import reached_range
+from gearsim.toolpaths.cylindrical.posting import as_printed, planned
+from gearsim.toolpaths.cylindrical.settings import Finishing, Settings
+
+PROGRAM, LAST = "program", "last operation"
+_HEIGHTS = 41
+_CONVENTIONS = {
+    "transverse": "traces, parameters and budget are transverse (ISO 1328-1); maps are along the normal",
+    "slopes": "positive where material grows from root to tip, or from the top face to the bottom",
+    "spaces": "counted from 1; space 1 on +x at the top face z = 0",
+    "grids": "rows root to tip, columns top to bottom face",
+}
+
+
+def plan(scene: GenerationMillingScene, folder: Path) -> Job:
+    """Plan and post a scene's gear and read the program back; or read the user's own, relative to ``folder``.
+
+    Raises InputError where the gear cannot be cut this way or has no tolerances, or for a program that cannot be read
+    or moves without a tool of the scene, a length or an offset that is known (``ReadSettings.tools``).
+    """
+    gear, machine, steps = scene.gear(), scene.controller(), scene.paths()
+    gear_size(gear)
+    program, text = _program(scene, folder, gear, machine, steps)
+    tools = {t.number: t.build() for t in scene.tools}
+    if not set(np.unique(program.blocks.tool).tolist()) & set(tools):
+        listed = ", ".join(f"T{number} M06" for number in sorted(tools))
+        raise InputError(f"program: it moves none of the scene's tools; expected {listed} and moves behind it")
+    finishing = scene.finishing()
+    probed = ProbedGear(gear, {side: _reached(gear, side, finishing) for side in SIDES}, finishing.modification)
+    whole = disturbed_operations(
+        program.blocks, tools, disturbance(scene.errors), scene.simulation.compile_tolerance_mm, text
+    )
+    variants, inspections = [Variant(PROGRAM, "the whole program", whole)], list(_inspections(scene, probed))
+    feeds = [np.nan] * len(program.operations) if scene.program.file else [step.cutting.feed for step in steps]
+    inspections.append(ProgramInspection(PROGRAM, program, tuple(feeds)))
+    if scene.budget:
+        causes, budget = gear_budget(scene, probed, machine, tools, PROGRAM)
+        variants += causes
+        inspections.append(budget)
+    return Job(
+        name=scene.name,
+        part=_part(scene, probed),
+        variants=tuple(variants),
+        main=PROGRAM,
+        inspections=tuple(inspections),
+        settings=settings(scene),
+        scene=scene_table(scene),
+        files={"program.nc": text},
+        notes=program.notes,
+        conventions=_CONVENTIONS,
+    )
+
+
+def disturbance(errors: ErrorsTable) -> Disturbance:
+    """The scene's errors in mm."""
+    x, y, z = (1e-3 * e for e in errors.pivot_um)
+    return Disturbance(
+        1e-3 * errors.tool_radius_um, 1e-3 * errors.tool_runout_um, (x, y, z), 1e-3 * errors.eccentricity_um
+    )  # fmt: skip
+
+
+def _program(
+    scene: GenerationMillingScene, folder: Path, gear: CylindricalGear, machine: Machine, steps: tuple[Settings, ...]
+) -> tuple[Program, str]:
+    """The program that is cut, and its text."""
+    reading = ReadSettings(workpiece=scene.program.work_offset, tools=tuple(t.number for t in scene.tools))
+    if scene.program.file:
+        file = folder / scene.program.file
+        text = read_input(file, "program")
+        return read_program(file, machine, dialect=scene.program.dialect, settings=reading), text
+    exact = planned(gear, machine, steps, scene.program.tip_control)
+    options = scene.program.options()
+    operations = [as_printed(op, options, step.cutting.feed) for op, step in zip(exact, steps, strict=True)]
+    text = write_program(operations, _header(scene, gear), options)
+    return read_program(text, machine, settings=reading), text
+
+
+def _part(scene: GenerationMillingScene, probed: ProbedGear) -> Part:
+    tolerance = Tolerance.both(scene.metrology.tolerance_um)
+    flanks = {
+        side: Intended(ReachedFlank(probed.gear, side, 0, probed.design, probed.reached[side]), tolerance)
+        for side in SIDES
+    }
+    return Part(FACE_FRAME, gear_stock(probed.gear, scene.surface.rim_mm), {str(s): i for s, i in flanks.items()})
+
+
+def _inspections(scene: GenerationMillingScene, probed: ProbedGear) -> Iterator[Inspection]:
+    m, gear, rim = scene.metrology, probed.gear, scene.surface.rim_mm
+    spaces = tuple(range(m.spaces or gear.count))
+    yield GearProbing(PROGRAM, probed, spaces, m.points, m.iso_class, scene.name)
+    grids = tuple(
+        GridInspection(side, (PROGRAM,), (), m.rows, m.columns, m.margin, judged=(PROGRAM,), last=LAST)
+        for side in SIDES
+    )
+    yield from grids
+    box = space_box(gear, scene.simulation.dexel_pitch_mm)
+    yield RapidInspection(PROGRAM, box, "the rapid move of line {line}")
+    yield ReachInspection(PROGRAM, probed, scene.finishing().cutting.tool.diameter)
+    yield SpaceInspection(DexelInspection(PROGRAM, box, grids), gear, dict(probed.reached))
+    yield RoughnessInspection(PROGRAM, probed)
+    yield SectionInspection(PROGRAM, section_rays(gear, rim, m.section_pitch_mm))
+
+
+def _reached(gear: CylindricalGear, side: Side, finishing: Finishing) -> tuple[float, float]:
+    """Rolls at the root and the tip end of what finishing reaches at every height of a flank.
+
+    Raises InputError where no part is reached over the whole facewidth.
+    """
+    heights = np.linspace(-gear.facewidth, 0.0, _HEIGHTS)
+    low, high = reached_range(gear, side, heights, finishing.cutting.radius, finishing.axial_step)
+    first, last = float(np.max(low)), float(np.min(high))
+    if not first < last:
+        raise InputError(
+            f"the tool of {finishing.cutting.tool.diameter:g} mm reaches no part of the {side} flank over the whole "
+            "facewidth; take a thinner one or a narrower gear"
+        )
+    return (last, first) if gear.is_internal else (first, last)
+
+
+def _header(scene: GenerationMillingScene, gear: CylindricalGear) -> Header:
+    kind = "internal" if gear.is_internal else "external"
+    return Header(
+        scene.program.number,
+        scene.name,
+        (
+            f"{kind} gear, {gear.count} teeth, normal module {gear.module:.6g}, normal pressure angle "
+            f"{np.degrees(gear.pressure_angle):.6g} deg, helix angle {np.degrees(gear.helix_angle):.6g} deg",
+            f"facewidth {gear.facewidth:g}, tip radius {gear.tip_radius:.4f}, root radius {gear.root_radius:.4f}",
+            "z = 0 at the top face, space 1 on +X",
+        ),
+    )

@@ -1,0 +1,27 @@
+"""Face milling: the slot that a head generates by roll, or leaves by plunging."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from gearsim.metrology.job import Job
+from gearsim.motion.sources import CurveMotion
+from gearsim.processes.frames import GEAR_FRAME
+from gearsim.processes.generated import Generation, generated_job
+from gearsim.scene import FaceMillingScene
+
+
+def plan(scene: FaceMillingScene, folder: Path) -> Job:
+    """The slot's patches under the generator's own motion; it names no files to look up in ``folder``.
+
+    Raises InputError for a slot that no gear has.
+    """
+    tooth = scene.tooth()
+    tooth.check()
+    motion = CurveMotion(tooth.poses, *tooth.motion_range)
+    if tooth.generated:
+        name, text = "roll", "generating roll: cradle and work turn together, continuously"
+    else:
+        name, text = "plunge", "infeed along the head's axis, cradle and work at rest"
+    cut = Generation(tooth.head, tuple(tooth.patches), {name: motion})
+    return generated_job(scene, [cut], {name: text}, GEAR_FRAME, blank=tooth.blank)

@@ -1,0 +1,191 @@
+"""Flank milling of a bevel tooth slot: two passes, planned here or read from CL data."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from difflib import get_close_matches
+from pathlib import Path
+
+from gearsim.cutters.profile import Profile
+from gearsim.metrology.convergence import Series
+from gearsim.metrology.dexel_check import DexelInspection, slot_box
+from gearsim.metrology.grid import COARSE, GridInspection
+from gearsim.metrology.inspection import Inspection
+from gearsim.metrology.job import Job
+from gearsim.metrology.mean_profile import ProfileInspection, Published
+from gearsim.metrology.rapid_check import RapidInspection
+from gearsim.metrology.root import RootInspection
+from gearsim.motion.sources import CLMotion
+from gearsim.processes.flank_program import machine_program
+from gearsim.processes.parts import Limits, bevel_part
+from gearsim.processes.settings import settings
+from gearsim.programs.cldata import RAPID, CLPath, CLProgram, assemble, check_cutter, format_cl, parse_cl, read_cl_text
+from gearsim.scene import FlankMillingScene, scene_table
+from gearsim.scene.flank_milling import ReferenceTable
+from gearsim.scene.program import ProgramTable
+from gearsim.simulation.operation import Variant, operation
+from gearsim.surfaces.part import Tolerance
+from gearsim.surfaces.patch import SIDES, Side, Tooth
+from gearsim.toolpaths.links import clear_rapids
+from gearsim.toolpaths.tangent import FlankPass
+
+THEORY, OWN, PROGRAM, OTHERS = "theory", "own pass", "program", "other passes"
+_CONVENTIONS = {
+    THEORY: "the flank's own pass, planner's continuous motion (what planning costs)",
+    OWN: "the flank's own pass as CL data (adds what discretisation costs)",
+    PROGRAM: "the whole CL program, rapid moves included (adds what the other flank's pass costs)",
+    OTHERS: "the whole CL program but the flank's own pass",
+}
+
+
+def plan(scene: FlankMillingScene, folder: Path) -> Job:
+    """Build the geometry, plan or read the toolpath, and compile the motions of a scene.
+
+    ``folder`` is where a relative CL file name is looked up.
+    """
+    tooth, cutter, m = scene.tooth(), scene.tool(), scene.metrology
+    tooth.check()
+    limits = Limits(Tolerance.both(m.tolerance_um), Tolerance(m.root_tolerance_um, float("inf")))
+    planners = {} if scene.toolpath.file is not None else scene.planners()
+    if scene.toolpath.file is not None:
+        text = read_cl_text(folder / scene.toolpath.file)
+        program = parse_cl(text, str(folder / scene.toolpath.file))
+        notes = (*check_cutter(program.cutter, cutter, scene.toolpath.file), *program.notes, *_pass_notes(program))
+        notes += _posting_notes(program, scene.program)
+    else:
+        text, notes = _planned_program(planners, cutter, tooth, scene), ()
+        program = parse_cl(text, "planned CL data")
+    files = {"toolpath.cl": text}
+    if scene.program:
+        files["program.nc"] = machine_program(scene, scene.program, program, cutter)
+    return Job(
+        name=scene.name,
+        part=bevel_part(tooth, scene.surface.mate_teeth, limits),
+        variants=tuple(_variants(scene, program, planners, cutter)),
+        main=PROGRAM,
+        inspections=tuple(_inspections(scene, tooth, program, planners)),
+        settings=settings(scene),
+        scene=scene_table(scene),
+        files=files,
+        notes=tuple(f"CL file: {note}" for note in notes),
+        conventions={"grids": "rows root to tip, columns toe to heel"},
+    )
+
+
+def own_paths(program: CLProgram, side: Side) -> list[int]:
+    """Which paths of a CL program finish a flank: those named after it, else every cutting path."""
+    named = [i for i, path in enumerate(program.paths) if path.name == side]
+    return named or [i for i, path in enumerate(program.paths) if path.name != RAPID]
+
+
+def _variants(
+    scene: FlankMillingScene, program: CLProgram, planners: Mapping[Side, FlankPass], cutter: Profile
+) -> Iterator[Variant]:
+    tolerance = scene.simulation.compile_tolerance_mm
+    sources = [CLMotion(p.tips, p.axes) for p in program.paths]
+    whole = operation("CL data", cutter, sources, tolerance, rapid=[p.name == RAPID for p in program.paths])
+    yield Variant(PROGRAM, _CONVENTIONS[PROGRAM], (whole,))
+    for side in SIDES:
+        own = own_paths(program, side)
+        rest = [i for i in range(len(sources)) if i not in own]
+        if side in planners:
+            exact = operation(f"{side} flank, continuous", cutter, [planners[side].motion], tolerance)
+            yield Variant(THEORY, _CONVENTIONS[THEORY], (exact,), (side,))
+        yield Variant(OWN, _CONVENTIONS[OWN], (whole.of_paths(own),), (side,))
+        if rest:
+            yield Variant(OTHERS, _CONVENTIONS[OTHERS], (whole.of_paths(rest),), (side,))
+        if side in planners:
+            for n in scene.metrology.convergence:
+                yield _of_points(n, side, planners[side], cutter, tolerance)
+
+
+def _of_points(n: int, side: Side, planner: FlankPass, cutter: Profile, tolerance: float) -> Variant:
+    given = operation(f"{side} flank, {n} points", cutter, [planner.cl_motion(n)], tolerance)
+    return Variant(f"N = {n}", f"the flank's own pass as {n} CL points", (given,), (side,))
+
+
+def _inspections(
+    scene: FlankMillingScene, tooth: Tooth, program: CLProgram, planners: Mapping[Side, FlankPass]
+) -> Iterator[Inspection]:
+    m = scene.metrology
+    box = slot_box(tooth.patches, tooth.blank, scene.simulation.dexel_pitch_mm)
+    dense = []
+    for side in SIDES:
+        alone = len(own_paths(program, side)) == len(program.paths)
+        motions = (THEORY, OWN) if planners else (OWN,)
+        points = m.convergence if planners else ()
+        series = (Series(OWN, THEORY, points, tuple(f"N = {n}" for n in points)),) if points else ()
+        grid = GridInspection(
+            side, (*motions, PROGRAM), motions, m.rows, m.columns, m.margin, m.window, judged=(PROGRAM,),
+            strangers="" if alone else OTHERS, series=series,
+        )  # fmt: skip
+        dense.append(grid)
+        yield grid
+        yield GridInspection(
+            side, (*motions, PROGRAM), motions, m.inspection_rows, m.inspection_columns, m.inspection_margin, m.window,
+            rotated=True, name=COARSE,
+        )  # fmt: skip
+        height = float(tooth.blank.mid_working_depth_at(tooth.blank.mean))
+        yield ProfileInspection(side, motions[0], m.profile_offsets_mm, height, _published(scene.reference, side))
+    yield RapidInspection(PROGRAM, box, "rapid move {number} of the CL data")
+    root = tuple(p.name for p in tooth.patches if p.part != "flank")
+    yield RootInspection(root, PROGRAM, max(3, m.rows // 2), m.columns, m.margin, m.window)
+    yield DexelInspection(PROGRAM, box, tuple(dense))
+
+
+def _published(reference: ReferenceTable | None, side: Side) -> Published | None:
+    if reference is None:
+        return None
+    turn = -1.0 if reference.overcut_is_positive else 1.0
+    um = tuple(turn * value for value in getattr(reference, f"{side}_um"))
+    return Published(reference.source, reference.note, reference.overcut_is_positive, um)
+
+
+def _planned_program(
+    planners: dict[Side, FlankPass], cutter: Profile, tooth: Tooth, scene: FlankMillingScene
+) -> str:  # fmt: skip
+    """Our own CL program as text, its rapids clear of the blank; what is simulated is read back from it."""
+    table = scene.toolpath
+    passes = []
+    for side, planner in planners.items():
+        planner.check_passage()
+        motion = planner.cl_motion(table.points)
+        passes.append(CLPath(side, motion.tips, motion.axes))
+    program = assemble(passes, table.retract_mm, cutter)
+    program = clear_rapids(program, cutter, tooth.blank.stock, table.retract_mm)
+    return format_cl(program, scene.name, table.feed_mm_min, table.decimals)
+
+
+def _pass_notes(program: CLProgram) -> list[str]:
+    """Pass names that are no flank's, and flanks that no pass is named after while others are."""
+    notes = []
+    strange = {name: line for name, line in program.named if name not in SIDES}
+    if strange:
+        told = ", ".join(f"{name!r} (line {line}{_nearest(name)})" for name, line in strange.items())
+        notes.append(f"passes named after no flank: {told}; flanks are {' and '.join(SIDES)}")
+    if program.named:
+        notes += [
+            f"no pass is named {side}: every cutting pass counts as its own" for side in SIDES if not program.path(side)
+        ]
+    return notes
+
+
+def _posting_notes(program: CLProgram, table: ProgramTable | None) -> tuple[str, ...]:
+    """Where the machine's program says other conditions than the CL file."""
+    if table is None:
+        return ()
+    notes = []
+    if program.feed is not None and program.fastest is not None and program.fastest > program.feed:
+        feeds = f"{program.feed:g} to {program.fastest:g} mm/min"
+        notes.append(f"the feeds of cutting moves are {feeds}; program.nc keeps the slowest throughout")
+    if program.spindle is not None and program.spindle != table.spindle_rpm:
+        notes.append(
+            f"SPINDL states {program.spindle:g}/min; program.nc runs at the scene's program.spindle_rpm, "
+            f"{table.spindle_rpm:g}"
+        )
+    return tuple(notes)
+
+
+def _nearest(name: str) -> str:
+    near = get_close_matches(name, SIDES, n=1, cutoff=0.6)
+    return f", did you mean {near[0]}?" if near else ""

@@ -1,0 +1,116 @@
+"""What jobs share whose surfaces a motion generates: its envelope in closed form, and other motions beside it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, field
+from difflib import get_close_matches
+
+from gearsim.cutters.profile import Profile
+from gearsim.errors import InputError
+from gearsim.metrology.convergence import Series
+from gearsim.metrology.dexel_check import DexelInspection, slot_box
+from gearsim.metrology.grid import GridInspection
+from gearsim.metrology.inspection import Inspection
+from gearsim.metrology.job import Job
+from gearsim.motion.sources import MotionSource
+from gearsim.processes.settings import settings
+from gearsim.scene import scene_table
+from gearsim.scene.generated import GeneratedMetrologyTable, GeneratedScene
+from gearsim.simulation.operation import Variant, operation
+from gearsim.surfaces.blank import BevelBlank
+from gearsim.surfaces.part import Intended, Part, Tolerance
+from gearsim.surfaces.patch import Patch
+
+_CONVENTIONS = {
+    "motions": "the first one generates the surfaces; the others are measured against them",
+    "missing": "the closed form has no point there",
+    "trimmed": "the generating motion itself cuts deeper there with another pose",
+    "grids": "rows root (tip of the tool) to tip (its shank), columns along the motion or toe to heel",
+}
+
+
+@dataclass(frozen=True)
+class Generation:
+    """One tool, the surfaces it generates, and the motions they are measured under, the generating one first.
+
+    ``sampled`` gives a motion made of N points, for those that converge to the generating one.
+    """
+
+    cutter: Profile
+    patches: tuple[Patch, ...]
+    sources: dict[str, MotionSource]
+    sampled: dict[str, Callable[[int], MotionSource]] = field(default_factory=dict)
+
+    @property
+    def surfaces(self) -> tuple[str, ...]:
+        return tuple(patch.name for patch in self.patches)
+
+
+def generated_job(
+    scene: GeneratedScene, generations: Sequence[Generation], texts: dict[str, str], frame: str, *,
+    files: dict[str, str] | None = None, blank: BevelBlank | None = None, notes: tuple[str, ...] = (),
+) -> Job:  # fmt: skip
+    """The job of some tools; ``texts`` say what each motion is, ``blank`` is what the surfaces are cut into.
+
+    Raises InputError where ``metrology.judged`` names a motion that there is not.
+    """
+    judged = _judged(scene.metrology.judged, list(texts))
+    tolerance = Tolerance.both(scene.metrology.tolerance_um) if judged else None
+    patches = [patch for g in generations for patch in g.patches]
+    return Job(
+        name=scene.name,
+        part=Part(frame, blank.stock if blank else None, {p.name: Intended(p, tolerance) for p in patches}),
+        variants=tuple(v for g in generations for v in _variants(scene, g, texts)),
+        main=judged[-1] if judged else next(iter(texts)),
+        inspections=tuple(_inspections(scene, generations, blank, judged)),
+        settings=settings(scene),
+        scene=scene_table(scene),
+        files=files or {},
+        notes=notes,
+        conventions=_CONVENTIONS,
+    )
+
+
+def _judged(judged: tuple[str, ...], motions: list[str]) -> tuple[str, ...]:
+    for name in judged:
+        if name not in motions:
+            near = get_close_matches(name, motions, n=1, cutoff=0.4)
+            hint = f"; did you mean {near[0]!r}?" if near else ""
+            raise InputError(f"metrology.judged: got {name!r}, expected one of {', '.join(motions)}{hint}")
+    return judged
+
+
+def _variants(scene: GeneratedScene, g: Generation, texts: dict[str, str]) -> Iterator[Variant]:
+    tolerance = scene.simulation.compile_tolerance_mm
+    for name, source in g.sources.items():
+        yield Variant(name, texts[name], (operation(name, g.cutter, [source], tolerance),), g.surfaces)
+    for name, make in g.sampled.items():
+        for n in scene.metrology.convergence:
+            given = operation(f"{name}, {n} points", g.cutter, [make(n)], tolerance)
+            yield Variant(_of_points(name, n), f"{texts[name]}; of {n} points", (given,), g.surfaces)
+
+
+def _of_points(name: str, n: int) -> str:
+    return f"{name} N = {n}"
+
+
+def _inspections(
+    scene: GeneratedScene, generations: Sequence[Generation], blank: BevelBlank | None, judged: tuple[str, ...]
+) -> Iterator[Inspection]:
+    for g in generations:
+        grids = tuple(_grid(scene.metrology, g, surface, judged) for surface in g.surfaces)
+        yield from grids
+        if blank is not None:
+            box = slot_box(g.patches, blank, scene.simulation.dexel_pitch_mm)
+            yield DexelInspection(grids[0].generating, box, grids)
+
+
+def _grid(m: GeneratedMetrologyTable, g: Generation, surface: str, judged: tuple[str, ...]) -> GridInspection:
+    names = tuple(g.sources)
+    points = m.convergence
+    series = [Series(name, names[0], points, tuple(_of_points(name, n) for n in points)) for name in g.sampled]
+    return GridInspection(
+        surface, names, names, m.rows, m.columns, m.margin, m.window, judged=judged, generating=names[0],
+        series=tuple(series) if points else (),
+    )  # fmt: skip

@@ -1,0 +1,173 @@
+"""The verbs: plan a scene into a job, run the job, say beforehand what a run would cost."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from importlib import import_module
+from pathlib import Path
+from time import perf_counter
+from typing import Any, Protocol
+
+from gearsim.envelope import prepare_envelope
+from gearsim.errors import InputError
+from gearsim.metrology.inspection import Question, perform, together
+from gearsim.metrology.job import Job, counted
+from gearsim.metrology.verdict import verdict
+from gearsim.output.presenters import flat_figures
+from gearsim.result import Result, versions
+from gearsim.scene import Scene, load_scene
+from gearsim.simulation.operation import Variant
+from gearsim.simulation.removal import SLOT_BYTES, open_device, prepare, tile_rays
+from gearsim.simulation.workshop import Workshop
+
+_PLANNERS = {
+    "FlankMillingScene": "flank_milling",
+    "FaceMillingScene": "face_milling",
+    "HypoidScene": "hypoid",
+    "EnvelopeScene": "envelope",
+    "GenerationMillingScene": "cylindrical",
+    "SculpturedScene": "sculptured",
+    "GougeExampleScene": "worked_examples",
+    "ProgramScene": "any_program",
+}
+
+
+class Progress(Protocol):
+    """Told of a run's progress; the silent default does nothing."""
+
+    def stage(self, name: str, total: int) -> None: ...
+
+    def advance(self, amount: int) -> None: ...
+
+
+class _Silent:
+    def stage(self, name: str, total: int) -> None:
+        pass
+
+    def advance(self, amount: int) -> None:
+        pass
+
+
+def plan(scene: Scene, folder: Path | None = None) -> Job:
+    """What a scene asks for, made ready to run; ``folder`` is where relative file names in it are looked up.
+
+    Raises InputError where the geometry is impossible or a file cannot be used.
+    """
+    planner = import_module(f"gearsim.processes.{_PLANNERS[type(scene).__name__]}")
+    job: Job = planner.plan(scene, folder or Path())
+    return job
+
+
+def run(
+    scene: Scene | str | Path, *, device: str = "cpu", overrides: tuple[str, ...] = (), folder: Path | None = None,
+    progress: Progress | None = None,
+) -> Result:  # fmt: skip
+    """Simulate a scene and measure the machined surfaces.
+
+    ``scene`` is a Scene, a built-in name or a path; ``overrides`` are ``table.key=value`` strings for the
+    latter two; ``folder`` is where relative file names in the scene are looked up (default: the scene file's
+    own folder); ``device`` is ``cpu`` or ``cuda:0``, .... Raises InputError for anything wrong in the input and
+    NumericalError where a kernel status forbids trust.
+    """
+    started = perf_counter()
+    progress = progress or _Silent()
+    progress.stage("planning", 0)
+    if not isinstance(scene, Scene):
+        scene, found_in = load_scene(scene, overrides)
+        folder = folder or found_in
+    elif overrides:
+        raise InputError(
+            f"overrides ({', '.join(overrides)}) change a scene that is named or a file; this one is a Scene already: "
+            "use its model_copy, or give its name or path"
+        )
+    job = plan(scene, folder)
+    return run_job(job, device=device, progress=progress, planned_s=perf_counter() - started)
+
+
+def run_job(
+    job: Job, *, device: str = "cpu", progress: Progress | None = None, planned_s: float = 0.0
+) -> Result:  # fmt: skip
+    """Cut and measure a job; options as of ``run``."""
+    started = perf_counter()
+    progress = progress or _Silent()
+    progress.stage("compiling kernels", 0)
+    compile_s = prepare(device) + prepare_envelope()
+    workshop = Workshop(device, job.settings.tolerance_mm, job.settings.interval_slots, progress.advance)
+    progress.stage("cutting and measuring", 0)
+    planned_rays = 0
+
+    def begin(questions: list[Question]) -> None:
+        nonlocal planned_rays
+        planned_rays, solved = counted(questions)
+        progress.stage("cutting and measuring", planned_rays + solved)
+
+    readings = perform(job.steps(), workshop, begin)
+    judged, status = verdict(job.part, readings)
+    total = planned_s + perf_counter() - started
+    return Result(
+        job=job,
+        device=device,
+        readings=tuple(readings),
+        verdict=judged,
+        status=status,
+        counts={
+            "rays": workshop.rays,
+            "following_rays": workshop.rays - planned_rays,
+            "segments": job.rows(),
+            "pairs": workshop.pairs,
+            "candidates": workshop.candidates,
+        },
+        timings_s={"compile": compile_s, "plan": planned_s, "kernel": workshop.kernel_s, "total": total},
+        versions=versions(),
+    )
+
+
+def study(
+    job: Job, changes: Mapping[str, Mapping[str, Variant]], *, device: str = "cpu", progress: Progress | None = None
+) -> list[dict[str, Any]]:
+    """One job under one change after another, all of them cut together: a table, one line a measurement.
+
+    ``changes`` gives to each change's name the variants that take the places of the job's, by their names. A line
+    holds ``change``, ``surface``, ``variant``, ``inspection`` and the measurement's figures as in report.json, their
+    names joined by dots. The job as it is stands first, as change "". Raises InputError for a variant that the job
+    has not.
+    """
+    progress = progress or _Silent()
+    for name, variants in changes.items():
+        unknown = [v for v in variants if not job.has(v)]
+        if unknown:
+            known = ", ".join(dict.fromkeys(v.name for v in job.variants))
+            raise InputError(f"change {name!r}: the job has no variant {unknown[0]!r}; there are {known}")
+    jobs = {"": job, **{name: job.under(dict(variants)) for name, variants in changes.items()}}
+    prepare(device)
+    prepare_envelope()
+    workshop = Workshop(device, job.settings.tolerance_mm, job.settings.interval_slots, progress.advance)
+    steps = together([changed.steps() for changed in jobs.values()])
+    found = perform(steps, workshop, lambda asked: progress.stage("cutting and measuring", sum(counted(asked))))
+    return [
+        {"change": name, "surface": m.surface, "variant": m.variant, "inspection": m.inspection, **flat_figures(m)}
+        for name, readings in zip(jobs, found, strict=True)
+        for reading in readings
+        for m in reading.measurements
+    ]
+
+
+def estimate(scene: Scene, folder: Path | None = None, device: str = "cpu") -> dict[str, float]:
+    """Rays, segments, memory [MB] and time [s] of a run, from figures measured on two common CPU cores.
+
+    Rays and segments are those that the run begins with; some rays follow from what it finds. Raises InputError where
+    there is no such device.
+    """
+    open_device(device)
+    job = plan(scene, folder)
+    try:
+        rays, samples = counted(next(job.steps()))
+    except StopIteration:
+        rays, samples = 0, 0
+    segments, slots = job.rows(), job.settings.interval_slots
+    return {
+        "rays": rays,
+        "segments": segments,
+        "memory_mb": 600.0 + 1e-6 * (SLOT_BYTES * slots * min(rays, tile_rays(slots)) + 450 * rays + 2000 * samples),
+        "seconds": 6.0 + rays / 60e3 + samples * (2.2e-4 + 5e-7 * segments),
+    }

@@ -1,0 +1,122 @@
+"""What is done to a part: operations of one tool each, and the variants under which their effect is measured."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gearsim.cutters.profile import Profile
+from gearsim.geometry.pose import PoseSeries
+from gearsim.motion.segments import SegmentTable, compile_motion, join
+from gearsim.motion.sources import MotionSource
+
+_COLUMNS = ("rapid", "step", "line", "section")
+
+
+@dataclass(frozen=True)
+class Pieces:
+    """Consecutive pieces of a longer motion, ``chosen`` (n,)."""
+
+    source: MotionSource
+    chosen: NDArray[np.integer]
+
+    @property
+    def pieces(self) -> int:
+        return len(self.chosen)
+
+    def pose(self, piece: NDArray, t: NDArray, order: int) -> PoseSeries:
+        return self.source.pose(self.chosen[np.asarray(piece)], t, order)
+
+
+@dataclass(frozen=True)
+class Operation:
+    """One tool, its exact motions one after the other, and the table compiled from them; in the part's frame.
+
+    ``table.path`` numbers the ``sources``. Of the table's rows, all shape (rows,), ``rapid`` says whether they are run
+    by rapid, ``step`` which move of the whole program they belong to, in its order, ``line`` in which line of
+    ``text``, the program they came from, it stands (0: in none), and ``section`` under which of the program's headings.
+    ``holder`` is what stands above the cutter, where it is given.
+    """
+
+    name: str
+    cutter: Profile
+    sources: tuple[MotionSource, ...]
+    table: SegmentTable
+    rapid: NDArray[np.bool_]
+    step: NDArray[np.integer]
+    line: NDArray[np.integer]
+    section: NDArray[np.integer]
+    text: str = ""
+    holder: Profile | None = None
+
+    def __len__(self) -> int:
+        """Rows of the table."""
+        return len(self.table)
+
+    def part(self, rows: NDArray) -> Operation:
+        """The same operation with the chosen rows alone: a mask or indices."""
+        columns = {name: getattr(self, name)[rows] for name in _COLUMNS}
+        return replace(self, table=self.table.part(rows), **columns)
+
+    def of_paths(self, paths: Sequence[int]) -> Operation:
+        """The same operation along some of its motions alone."""
+        return self.part(np.isin(self.table.path, paths))
+
+    def motions(self) -> list[MotionSource]:
+        """The exact motions of its rows in feed, cut up where rows are missing or run by rapid."""
+        found: list[MotionSource] = []
+        for path, source in enumerate(self.sources):
+            pieces = np.unique(self.table.piece[(self.table.path == path) & ~self.rapid])
+            if len(pieces) == source.pieces:
+                found.append(source)
+            elif len(pieces):
+                runs = np.split(pieces, np.flatnonzero(np.diff(pieces) > 1) + 1)
+                found += [Pieces(source, run) for run in runs]
+        return found
+
+
+@dataclass(frozen=True)
+class Variant:
+    """Operations that cut together, by a ``name`` under which their effect is told, and what they are in words.
+
+    ``surfaces`` it is meant for (none: all of the part's).
+    """
+
+    name: str
+    text: str
+    operations: tuple[Operation, ...]
+    surfaces: tuple[str, ...] = ()
+
+    def __len__(self) -> int:
+        """Rows of all its tables."""
+        return sum(map(len, self.operations))
+
+    def motions(self) -> list[MotionSource]:
+        """The exact motions of its one operation. Raises ValueError where it has several."""
+        (operation,) = self.operations
+        return operation.motions()
+
+    @property
+    def cutter(self) -> Profile:
+        """The tool of its one operation. Raises ValueError where it has several."""
+        (operation,) = self.operations
+        return operation.cutter
+
+    def chosen(self, choose: Callable[[int, Operation], NDArray[np.bool_]]) -> Variant:
+        """The rows that ``choose`` picks of every operation; operations of which nothing is left are gone."""
+        rows = [choose(i, operation) for i, operation in enumerate(self.operations)]
+        left = (o.part(r) for o, r in zip(self.operations, rows, strict=True) if r.any())
+        return replace(self, operations=tuple(left))
+
+
+def operation(
+    name: str, cutter: Profile, sources: Sequence[MotionSource], tolerance: float, *, rapid: Sequence[bool] = ()
+) -> Operation:
+    """Compile motions of one tool to a tolerance [mm], a step each; ``rapid`` says which are (none given: none is)."""
+    table = join([compile_motion(source, cutter.reach, tolerance) for source in sources])
+    fast = np.array(rapid or [False] * len(sources))[table.path]
+    nothing = np.zeros(len(table), dtype=int)
+    return Operation(name, cutter, tuple(sources), table, fast, table.path, nothing, nothing)

@@ -1,0 +1,38 @@
+"""Operations from the blocks of a program: what each of its tools does relative to the part."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+
+from gearsim.cutters.profile import Profile
+from gearsim.geometry.rigid import Rigid
+from gearsim.motion.program import ProgramMotion
+from gearsim.motion.segments import compile_motion
+from gearsim.motion.sources import MovedMotion
+from gearsim.programs.blocks import Blocks
+from gearsim.simulation.operation import Operation
+
+_STILL = Rigid(np.eye(3), np.zeros(3))
+
+
+def program_operations(
+    blocks: Blocks, cutters: Mapping[int, Profile], tolerance: float, *, shift: Rigid = _STILL, text: str = ""
+) -> tuple[Operation, ...]:
+    """One operation a tool that the blocks move, in the order of their numbers; a row's step is its block.
+
+    ``shift`` takes what is seen from the program's zero to the part's frame. Blocks of other tools are left out.
+    """
+    found = []
+    for number in sorted(set(blocks.tool.tolist()) & set(cutters)):
+        cutter, source = cutters[number], ProgramMotion(blocks, blocks.tool == number)
+        table = compile_motion(source, cutter.reach, tolerance).moved(shift)
+        step = source.rows[table.piece]
+        found.append(
+            Operation(
+                f"T{number}", cutter, (MovedMotion(source, shift),), table, blocks.rapid[step], step, blocks.line[step],
+                blocks.operation[step], text=text,
+            )
+        )  # fmt: skip
+    return tuple(found)

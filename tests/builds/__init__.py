@@ -1,0 +1,1 @@
+"""Two builds of gearsim held against each other: every number that their runs of a scene leave behind."""

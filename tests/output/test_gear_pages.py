@@ -1,0 +1,124 @@
+"""Gear charts: every page is drawn, at any size of deviation, and no two texts lie over each other."""
+
+from itertools import combinations
+
+import numpy as np
+import pytest
+
+from gearsim.metrology.gear_inspection import FlankMap
+from gearsim.metrology.roughness import measure_roughness
+from gearsim.output.gear.pitch import draw_pitch
+from gearsim.output.gear.roughness import draw_roughness
+from gearsim.output.gear.sheet import inspection_sheet
+from gearsim.output.gear.style import evenly, round_below, unit_for
+from gearsim.output.gear.topography import draw_topography
+from gearsim.output.gear.traces import draw_traces
+from gearsim.output.saving import Save
+from tests.metrology.gears import gear_of, inspection
+
+
+@pytest.fixture
+def texts(monkeypatch):
+    """Texts of the figures that are saved, as [(text, box in pixels)]; the file is not written."""
+    from matplotlib.figure import Figure
+    from matplotlib.text import Text
+
+    seen = []
+
+    def look(figure, file, **_):
+        figure.draw_without_rendering()
+        unseen = set()
+        for axis in (axis for axes in figure.axes for axis in (axes.xaxis, axes.yaxis)):
+            low, high = sorted(axis.get_view_interval())
+            unseen |= {t.label1 for t in axis.get_major_ticks() if not low <= t.get_loc() <= high}
+            unseen |= {t.label2 for t in axis.get_major_ticks() if not low <= t.get_loc() <= high}
+        shown = [t for t in figure.findobj(Text) if t.get_visible() and t.get_text().strip() and t not in unseen]
+        seen.append([(t.get_text(), t.get_window_extent()) for t in shown])
+        page = figure.bbox
+        outside = [t for t, b in seen[-1] if min(b.x0, b.y0) < 0 or b.x1 > page.x1 or b.y1 > page.y1]
+        assert not outside
+
+    monkeypatch.setattr(Figure, "savefig", look)
+    return seen
+
+
+def overlaps(page):
+    """Pairs of texts whose boxes share more than a pixel both ways."""
+    for (a, p), (b, q) in combinations(page, 2):
+        across = min(p.x1, q.x1) - max(p.x0, q.x0)
+        if across > 1.0 and min(p.y1, q.y1) - max(p.y0, q.y0) > 1.5:
+            yield a, b
+
+
+CASES = [(15, 10.0, 1.0), (-30, -10.0, 1e-3), (15, 0.0, 8.0)]
+
+
+@pytest.mark.parametrize(("teeth", "helix_deg", "size"), CASES)
+def test_no_text_lies_over_another(teeth, helix_deg, size, texts, tmp_path):
+    found = inspection(gear_of(teeth, helix_deg), size, missing=teeth < 0)
+    draw_traces(found.profile, found.gear, found.tolerances_um, "profile", "a.png", Save(tmp_path))
+    draw_traces(found.helix, found.gear, found.tolerances_um, "helix", "b.png", Save(tmp_path))
+    draw_pitch(found.pitch, found.runout, found.tolerances_um, "pitch", Save(tmp_path))
+    inspection_sheet(found, Save(tmp_path))
+    for page in texts:
+        assert not list(overlaps(page))
+    unit = "nm" if size < 0.01 else "µm"
+    assert any(f"[{unit}]" in text for text, _ in texts[0])
+    written = {text for text, _ in texts[3]}
+    assert {"Profile", "Helix", "Pitch", "class 6"} <= written
+    assert ("2 missing" in written) == (teeth < 0)
+
+
+def test_pages_are_written(tmp_path):
+    from matplotlib.image import imread
+
+    gear = gear_of()
+    found = inspection(gear)
+    inspection_sheet(found, Save(tmp_path))
+    span = found.profile["left"].span
+    position, z = np.linspace(span.first, span.last, 21), np.linspace(-9.5, -0.5, 31)
+    um = 2e-3 * np.sin(z)[None, :] * span.share(position)[:, None]
+    um[3, 4] = np.nan
+    maps = {side: FlankMap(side, 0, position, z, um) for side in ("left", "right")}
+    draw_topography(maps, gear, "topography", Save(tmp_path))
+    x = np.linspace(0.0, 9.0, 901)
+    traces = {
+        "helix": measure_roughness(x, np.abs(np.sin(4.0 * x)), 1),
+        "profile": measure_roughness(x[:300], np.abs(np.sin(4.0 * x[:300])), 2),
+        "nothing": measure_roughness(x, np.full(901, np.nan), 1),
+    }
+    draw_roughness(traces, "roughness", Save(tmp_path))
+    for name in ("inspection", "topography", "roughness"):
+        picture = imread(tmp_path / f"{name}.png")[..., :3]
+        assert picture.shape[0] > 800
+        assert picture.std() > 0.05
+
+
+def test_an_unmeasured_gear_can_be_drawn(tmp_path, texts):
+    found = inspection(gear_of())
+    for traces in (*found.profile.values(), *found.helix.values()):
+        traces.deviation_um[:] = np.nan
+    for pitch in found.pitch.values():
+        pitch.single_um[:], pitch.cumulative_um[:] = np.nan, np.nan
+    inspection_sheet(found, Save(tmp_path))
+    assert not list(overlaps(texts[0]))
+    assert sum(text == "not measured" for text, _ in texts[0]) == 16
+
+
+@pytest.mark.parametrize(
+    ("um", "texts_", "name"),
+    [
+        ([31.64, -2.0], ["31.6", "−2.0"], "µm"), ([3.2], ["3.20"], "µm"), ([0.2], ["200"], "nm"),
+        ([0.0123], ["12.3"], "nm"), ([1e-9, np.nan], ["0.00", "–"], "nm"), ([349.1], ["349"], "µm"),
+    ],
+)  # fmt: skip
+def test_numbers_have_three_digits_in_a_unit_that_fits(um, texts_, name):
+    unit = unit_for(um)
+    assert [unit.text(v) for v in um] == texts_
+    assert unit.name == name
+
+
+def test_round_lengths_and_even_choices():
+    assert [round_below(v) for v in (1.0, 1.9, 2.0, 4.9, 7.3, 0.012)] == pytest.approx([1, 1, 2, 2, 5, 0.01])
+    assert evenly(15, 4) == [0, 3, 7, 11]
+    assert evenly(3, 4) == [0, 1, 2]

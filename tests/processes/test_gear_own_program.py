@@ -1,0 +1,76 @@
+"""A program of the user's own is cut only where tool, work offset and tool length of every move are known."""
+
+import pytest
+
+from gearsim.errors import InputError
+from gearsim.metrology.program_times import ProgramInspection
+from gearsim.processes.run import plan
+from gearsim.scene import load_scene
+
+FEW = ("metrology.spaces=1", "metrology.points=15", "toolpath.finishing.axial_step_mm=2.5")
+
+
+@pytest.fixture(scope="module")
+def text():
+    scene, folder = load_scene("spur-external", FEW)
+    return plan(scene, folder).files["program.nc"]
+
+
+def own(text, folder, *overrides):
+    """The blocks of a program, written into the folder, as the job cuts them."""
+    (folder / "own.nc").write_text(text, encoding="ascii")
+    scene, _ = load_scene("spur-external", (*FEW, "program.file=own.nc", *overrides))
+    job = plan(scene, folder)
+    return next(i.program.blocks for i in job.inspections if isinstance(i, ProgramInspection))
+
+
+def changed(text, old, new):
+    assert old in text
+    return text.replace(old, new, 1)
+
+
+PASS = "G90 G94 G54 G43 H1\nG00 X40. Y0. Z-5.\nG01 X30. F100\n"
+ABSOLUTE = "T1 M06\nG90 G94 G49 G54"
+REFUSED = [
+    (lambda t: changed(t, "T1 M06\n", PASS + "T1 M06\n"), r"line 15, column 1, G00: no tool is in the spindle here"),
+    (lambda t: changed(t, "T1 M06\n", "G91 G01 X-1. F100\nT1 M06\n"), r"line 14, column 5, G01: no tool"),
+    (lambda t: changed(t, "T1 M06\n", ""), r"line 19, column 1, G00: no tool is in the spindle here; .* T and M6"),
+    (lambda t: t.replace("T1 M06\n", ""), r"line 19, column 1, G00: no tool"),
+    (lambda t: changed(t, "T1 M06\n", "T1\n"), r"line 20, column 1, G00: no tool"),
+    (lambda t: changed(t, "T1 M06\n", "T1 M06\nT0 M06\n"), r"line 21, column 1, G00: no tool"),
+    (lambda t: changed(t, "M05\nG91 G28 Z0", "T0 M06\nG01 X1. F100"), r"column 1, G01: no tool is in the spindle"),
+    (lambda t: changed(t, "G49 G54", "G49 G55"), r"line 20, column 1, G00: G55 is in force, .* known are G54"),
+    (lambda t: t.replace("G49 G54", "G49 G54.1 P2"), r"line 20, column 1, G00: G54\.1 P2 is in force"),
+    (lambda t: changed(t, "G43 H1 ", "G43 H12 "), r"line 23, column 9, Z-72\.5346: H12 is compensated, T1 is .* H1"),
+    (lambda t: changed(t, "G43 H1 ", ""), r"line 23, column 1, Z-72\.5346: no tool length is compensated, .* G43 H1"),
+    (lambda t: changed(t, "G43 H1 Z-72.5346", ""), r"line 24, column 14, Z-78\.4375: no tool length is compensated"),
+    (lambda t: changed(t, "G43 H1 Z-72.5346\nG00 Y-1.5875 Z-78.4375", ""), r"line 24, column 5, G01: where Z stands"),
+    (lambda t: changed(t, "G00 X124.1750 Y-1.8130\nG43 H1 Z-72.5346\nG00 Y-1.5875 Z", "G43 H1 Z"), "where Y stands"),
+    (lambda t: changed(t, ABSOLUTE, "T1 M06\nG92 X0 Y0 Z0\n" + ABSOLUTE[7:]), r"line 15, .*, G92: it sets a zero"),
+    (lambda t: changed(t, ABSOLUTE, "T1 M06\nG90 G10 L2 P1 X9\n" + ABSOLUTE[7:]), r"line 15, .*, G10: it states"),
+    (lambda t: changed(t, "T1 M06", "T2 M06"), r"line 14, column 1, T2: tool T2 is not among the tools there are: T1"),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("change", "match"), REFUSED, ids=[str(i) for i in range(len(REFUSED))])
+def test_what_is_not_known_of_a_move_is_refused_by_line(text, tmp_path, change, match):
+    with pytest.raises(InputError, match=r"own\.nc, " + match if match.startswith("line") else match):
+        own(change(text), tmp_path)
+
+
+def test_the_work_offset_of_the_scene_stands_on_the_gear(text, tmp_path):
+    job = own(text.replace("G54", "G55"), tmp_path, "program.work_offset=G55")
+    assert job.values.shape == own(text, tmp_path).values.shape
+
+
+def test_what_is_known_is_cut(text, tmp_path):
+    """Retracts before the first tool, a zero set where the tool is known to stand, its length by LinuxCNC's G43."""
+    plain = own(text, tmp_path)
+    head = changed(text, "T1 M06\n", "G90 G53 G00 Z0\nG91 G28 X0 Y0\nT1 M06\n")
+    assert own(head, tmp_path).values[-1].tolist() == plain.values[-1].tolist()
+    shifted = changed(text, "G00 Y-1.5875 Z-78.4375", "G92 X124.175\nG52 X0\nG00 Y-1.5875 Z-78.4375")
+    assert len(own(shifted, tmp_path)) == len(plain)
+    linuxcnc = text.replace("G43 H1", "G43").replace("O0001 ", "").replace("M68\n", "").replace("M69\n", "")
+    linuxcnc = linuxcnc.replace("M10\n", "").replace("M11\n", "").replace(" G93", "").replace(" G94", "")
+    found = own(linuxcnc, tmp_path, "program.dialect=linuxcnc")
+    assert found.values.shape == plain.values.shape
