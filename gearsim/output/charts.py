@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
+from textwrap import wrap
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -13,7 +14,7 @@ from numpy.typing import NDArray
 from gearsim.metrology.grid import GridMeasurement
 from gearsim.metrology.mean_profile import ProfileMeasurement
 from gearsim.motion.axes import AxisMotion
-from gearsim.output.heat import draw_heat
+from gearsim.output.heat import draw_heat, is_perfect
 from gearsim.output.presenters import collected
 from gearsim.output.saving import Save
 from gearsim.result import Result
@@ -33,18 +34,26 @@ def chart_all(
     tell(captions)
 
 
-def draw_grids(result: Result, dense: Sequence[GridMeasurement], save: Save) -> None:
-    """deviation.png: one row a variant, one column a surface."""
-    places, columns, rows = _panels(dense)
-    width, height = 4.6 * columns + 0.6, 3.0 * rows + 0.7
+def draw_grids(result: Result, dense: Sequence[GridMeasurement], save: Save) -> dict[str, str]:
+    """deviation.png: one row a variant, one column a surface; its caption. What is as intended is named, not drawn."""
+    shown = [m for m in dense if not is_perfect(1e3 * m.deviation.value)]
+    perfect = [f"{m.surface} ({m.variant})" for m in dense if is_perfect(1e3 * m.deviation.value)]
+    if not shown:
+        return {}
+    places, columns, rows = _panels(shown)
+    width, height = 4.6 * columns + 0.6, 3.0 * rows + 0.7 + 0.25 * bool(perfect)
     figure = pyplot().figure(figsize=(width, height))
-    for m, (row, column) in zip(dense, places, strict=True):
-        left, bottom = 0.6 + 4.6 * column, height - 2.9 - 3.0 * row
+    for m, (row, column) in zip(shown, places, strict=True):
+        left, bottom = 0.6 + 4.6 * column, height - 2.9 - 0.25 * bool(perfect) - 3.0 * row
         axis = figure.add_axes((left / width, bottom / height, 3.8 / width, 1.95 / height))
         draw_heat(figure, axis, m.grid, 1e3 * m.deviation.value, f"{m.surface}, {m.variant}")
     title = f"{result.name}: deviation from the intended surfaces (+ material left, − overcut)"
     figure.text(0.6 / width, 1.0 - 0.35 / height, title, fontsize=13, weight="bold")
+    if perfect:
+        named = f"as intended to 1 nm: {', '.join(perfect)}"
+        figure.text(0.6 / width, 1.0 - 0.6 / height, "\n".join(wrap(named, int(13 * width))), fontsize=9, va="top")
     save(figure, "deviation.png", 80)
+    return {"deviation.png": "Deviation maps of every surface under every motion"}
 
 
 def _panels(dense: Sequence[GridMeasurement]) -> tuple[list[tuple[int, int]], int, int]:

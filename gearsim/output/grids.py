@@ -148,8 +148,7 @@ def charts(result: Result, found: Sequence[GridMeasurement], save: Save) -> dict
     """deviation.png: a map of every surface that has a tolerance under every variant."""
     dense = [m for m in found if m.inspection == DENSE]
     captions = _sheet(result, found, save)
-    draw_grids(result, dense, save)
-    return captions | {"deviation.png": "Deviation maps of every surface under every motion"}
+    return captions | draw_grids(result, dense, save)
 
 
 def _sheet(result: Result, found: Sequence[GridMeasurement], save: Save) -> dict[str, str]:

@@ -17,6 +17,11 @@ if TYPE_CHECKING:
 NOISE_UM = 1e-3
 
 
+def is_perfect(um: NDArray) -> bool:
+    """Whether everything was measured and lies within a nanometre."""
+    return bool(um.size) and bool(np.isfinite(um).all()) and float(np.abs(um).max()) < NOISE_UM
+
+
 def draw_heat(figure: Any, axis: Axes, grid: SampleGrid, um: NDArray, what: str) -> None:
     """A map of one surface with its range in the title; of a surface that is as intended, that sentence alone.
 
@@ -29,7 +34,7 @@ def draw_heat(figure: Any, axis: Axes, grid: SampleGrid, um: NDArray, what: str)
     axis.set_title(f"{what}: {_span(known)}", fontsize=10)
     axis.set_xlabel("toe to heel [mm]" if blank else "along the motion [share]", fontsize=9)
     axis.set_ylabel("root to tip [share]" if blank else "across [share]", fontsize=9)
-    if known.size and float(np.abs(known).max()) < NOISE_UM:
+    if is_perfect(um):
         axis.set(xlim=(0.0, along), ylim=(0.0, 1.0), facecolor="#eef0ee")
         text = f"as intended, to {1e3 * float(np.abs(known).max()):.1g} nm"
         axis.text(0.5, 0.5, text, transform=axis.transAxes, ha="center", va="center", fontsize=10, color="0.3")
