@@ -12,6 +12,8 @@ from gearsim.kernels.tool_ray import FAR, TINY, line_interval, tool_ray
 
 f64 = wp.float64
 
+ROUNDING = wp.constant(f64(7.2e-15))  # 32 eps
+
 
 @wp.struct
 class Ring:
@@ -19,7 +21,8 @@ class Ring:
 
     ``lines`` row: normal (r, z) and its height over the origin. ``arcs`` row: centre (r, z), radius, first
     and last normal (r, z); vertices are arcs of no radius. The body lies within ``radius`` of the axis,
-    between ``bottom`` and ``top``, and within ``reach`` of the origin.
+    between ``bottom`` and ``top``, and within ``reach`` of the origin. The moving tool's coordinates stay below
+    ``extent``.
     """
 
     lines: wp.array2d(dtype=f64)
@@ -28,6 +31,7 @@ class Ring:
     bottom: f64
     top: f64
     reach: f64
+    extent: f64
 
 
 @wp.struct
@@ -49,6 +53,13 @@ class Gap:
     r: f64
     size: f64
     nr: f64
+
+
+@wp.func
+def rounding_of(ring: Ring, origin: wp.vec3d, lo: f64, hi: f64) -> f64:
+    """Bound of what float64 makes of the distances [mm] from the points [lo, hi] of a ray, by all coordinates' size."""
+    size = wp.max(wp.max(wp.abs(origin[0]), wp.abs(origin[1])), wp.abs(origin[2]))
+    return ROUNDING * (ring.extent + size + wp.max(wp.abs(lo), wp.abs(hi)))
 
 
 @wp.func

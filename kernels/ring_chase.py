@@ -2,7 +2,8 @@
 
 Two steps alternate until both settle: take the pose at which the point lies deepest, and follow the ray to
 the tool's surface, at that pose or while the pose changes as the deepest one does. Every point walked through
-lies in the tool at some pose, so no gap is spanned.
+lies in the tool at some pose, so no gap is spanned. Whether the sweep goes on beyond the end found is not said
+here: what is left of the ray is searched again (kernels/ring_search.py).
 """
 
 import warp as wp
@@ -16,15 +17,7 @@ f64 = wp.float64
 DEEPEST_STEPS = wp.constant(60)
 FOLLOW_STEPS = wp.constant(1000)
 ROUNDS = wp.constant(300)
-SETTLED = wp.constant(f64(1.0e-13))
-
-
-@wp.struct
-class End:
-    """The end of a sweep along the ray, and whether the search for it settled."""
-
-    tau: f64
-    converged: wp.int32
+SETTLED = wp.constant(f64(0.125))  # of the slack
 
 
 @wp.struct
@@ -37,7 +30,9 @@ class Low:
 
 
 @wp.func
-def deepest(ring: Ring, motion: Motion, row: int, origin: wp.vec3d, direction: wp.vec3d, here: Gap) -> Low:
+def deepest(
+    ring: Ring, motion: Motion, row: int, origin: wp.vec3d, direction: wp.vec3d, here: Gap, settled: f64
+) -> Low:  # fmt: skip
     """The deepest pose downhill from one, for the same point of the ray."""
     low = Low()
     low.best = here
@@ -64,7 +59,7 @@ def deepest(ring: Ring, motion: Motion, row: int, origin: wp.vec3d, direction: w
         width = wp.abs(low.b.x - low.a.x)
         fall = -low.a.push * way
         rise = low.b.push * way
-        if fall * width < SETTLED:
+        if fall * width < settled:
             return low
         x = f64(0.5) * (low.a.x + low.b.x)
         if rise > f64(0.0) and step % 3 != 0:
@@ -99,32 +94,34 @@ def follow(
 
     By the bound of kernels/ring_search.py F + c tau²/2 is convex on the way as long as r stays above half its
     value. Hence between two points inside, one of them deeper than c L²/2, a stretch of length L is all
-    inside; where neither is, it comes out by c L²/8 at most, which may be as much as the slack.
+    inside; where neither is, it comes out by c L²/8 at most, which may be as much as the slack. No step is longer.
     """
     climb = slope * way
     pace = f64(1.0) + wp.abs(slope) * motion.speed[row]
     bend = (motion.acceleration[row] * wp.abs(slope) + f64(2.0) * motion.spin[row]) * wp.abs(slope)
     a = here
     b = here
+    settled = SETTLED * slack
     bracketed = int(0)
     step = int(0)
     while step < FOLLOW_STEPS:
         depth = -a.f
         rise = (a.steep + slope * a.push) * way
+        c = bend + f64(2.0) * pace * pace / a.r
+        move = wp.max(depth / pace, wp.sqrt(f64(2.0) * wp.max(depth, f64(4.0) * slack) / c))
+        move = wp.min(move, f64(0.5) * a.r / pace)
         if bracketed == 1:
             width = wp.abs(b.tau - a.tau)
-            if depth <= SETTLED or width <= SETTLED:
+            if depth <= settled or width <= settled:
                 return a
-            move = width * depth / (depth + b.f)
             if step % 3 == 0:
-                move = f64(0.5) * width
+                move = wp.min(move, f64(0.5) * width)
+            else:
+                move = wp.min(move, width * depth / (depth + b.f))
         else:
             left = room(a.x, climb)
-            if left <= SETTLED or (depth <= SETTLED and rise > f64(0.0)):
+            if left <= settled or (depth <= settled and rise > f64(0.0)):
                 return a
-            c = bend + f64(2.0) * pace * pace / a.r
-            move = wp.max(depth / pace, wp.sqrt(f64(2.0) * wp.max(depth, f64(4.0) * slack) / c))
-            move = wp.min(move, f64(0.5) * a.r / pace)
             if rise > f64(0.0):
                 move = wp.min(move, depth / rise)
             move = wp.min(move, left)
@@ -142,21 +139,19 @@ def follow(
 @wp.func
 def chase(
     ring: Ring, motion: Motion, row: int, origin: wp.vec3d, direction: wp.vec3d, hit: Gap, way: f64, slack: f64
-) -> End:  # fmt: skip
-    """Where the sweep that holds a hit ends, onward (way 1) or back (-1) along the ray."""
-    end = End()
+) -> f64:  # fmt: skip
+    """How far the sweep that holds a hit is followed, onward (way 1) or back (-1) along the ray."""
+    settled = SETTLED * slack
     here = hit
     round = int(0)
-    while round < ROUNDS and end.converged == 0:
-        low = deepest(ring, motion, row, origin, direction, here)
+    while round < ROUNDS:
+        low = deepest(ring, motion, row, origin, direction, here, settled)
         here = low.best
-        if round > 0 and here.f > f64(-4.0) * SETTLED:
-            end.converged = 1
-        else:
-            slope = f64(0.0)
-            if round % 2 == 1:
-                slope = valley(low)
-            here = follow(ring, motion, row, origin, direction, here, way, slope, slack)
+        if round > 0 and here.f > f64(-4.0) * settled:
+            return here.tau
+        slope = f64(0.0)
+        if round % 2 == 1:
+            slope = valley(low)
+        here = follow(ring, motion, row, origin, direction, here, way, slope, slack)
         round += 1
-    end.tau = here.tau
-    return end
+    return here.tau

@@ -4,8 +4,8 @@ import warp as wp
 
 from gearsim.kernels.interval import IntervalLists, free_stretch, insert
 from gearsim.kernels.pose import Motion
-from gearsim.kernels.removal import CAPSULE_PAD
-from gearsim.kernels.ring import Ring, window_of
+from gearsim.kernels.removal import CAPSULE_PAD, CAPSULE_SHARE, extent_of
+from gearsim.kernels.ring import Ring, rounding_of, window_of
 from gearsim.kernels.ring_chase import chase
 from gearsim.kernels.ring_search import HIT, LOST, find_hit
 from gearsim.kernels.sweep import STATUS_INTERVALS_OVERFLOW, STATUS_NOT_CONVERGED
@@ -24,9 +24,9 @@ def cut_by_ring(
 ) -> int:  # fmt: skip
     """Unite what one segment of a ring's motion removes from [lo, hi] of a ray with the ray's list; status bits.
 
-    What the list covers is not looked at again; the rest is searched until no hit is left.
+    What the list covers is not looked at again; the rest is searched until no hit deeper than rounding is left.
     """
-    slack = f64(1.0e-3) * tolerance
+    slack = rounding_of(ring, origin, lo, hi)
     status = int(0)
     sweeps = int(0)
     from_tau = lo
@@ -40,12 +40,10 @@ def cut_by_ring(
             start = chase(ring, motion, row, origin, direction, find.hit, f64(-1.0), slack)
             end = chase(ring, motion, row, origin, direction, find.hit, f64(1.0), slack)
             sweeps += 1
-            if start.converged + end.converged < 2 or sweeps == MAX_SWEEPS:
-                status = status | STATUS_NOT_CONVERGED
-            if not insert(lists, ray, start.tau, end.tau, row, row, tolerance):
+            if not insert(lists, ray, start, end, row, row, tolerance):
                 return status | STATUS_INTERVALS_OVERFLOW
             if sweeps == MAX_SWEEPS:
-                return status
+                return status | STATUS_NOT_CONVERGED
         else:
             if find.outcome == LOST:
                 status = status | STATUS_NOT_CONVERGED
@@ -79,7 +77,8 @@ def cut_rays_by_ring(
     d = direction[ray]
     lo = tau_min[ray]
     hi = tau_max[ray]
-    query = wp.bvh_query_capsule(bvh, wp.vec3(o + lo * d), wp.vec3((hi - lo) * d), CAPSULE_PAD)
+    pad = CAPSULE_PAD + CAPSULE_SHARE * wp.float32(extent_of(o + lo * d, o + hi * d))
+    query = wp.bvh_query_capsule(bvh, wp.vec3(o + lo * d), wp.vec3((hi - lo) * d), pad)
     row = int(0)
     candidates = int(0)
     pairs = int(0)

@@ -69,8 +69,9 @@ def ring_data(cutter: Profile, extent: float, device: str) -> Ring:
     data = Ring()
     data.lines = wp.array(np.reshape(lines, (-1, 3)), dtype=wp.float64, device=device)
     data.arcs = wp.array(np.reshape(arcs, (-1, 7)), dtype=wp.float64, device=device)
-    _, data.radius, data.bottom, data.top = cutter.box
+    _, data.radius, data.bottom, data.top = cutter.box  # larger by the skin: windows are sure
     data.reach = cutter.reach
+    data.extent = extent + cutter.reach
     return data
 
 
