@@ -39,8 +39,9 @@ class Gap:
     """Signed distance f of the ray's point tau to the ring at pose x, with its derivatives push = F_x and
     steep = F_tau.
 
-    ``across_x`` and ``across_tau`` are the point's rates around the axis, as the tool sees it; r is its
-    distance from the axis, size that from the tip, nr the radial part of the gradient.
+    ``out_x``, ``along_x`` and ``across_x`` are the point's rates away from the axis, along it and around it by x,
+    as the tool sees them; ``out_tau``, ``along_tau`` and ``across_tau`` those by tau. r is its distance from the
+    axis, z its height over the tip, size its distance from the tip, nr the radial part of the gradient.
     """
 
     x: f64
@@ -48,9 +49,14 @@ class Gap:
     f: f64
     push: f64
     steep: f64
+    out_x: f64
+    out_tau: f64
+    along_x: f64
+    along_tau: f64
     across_x: f64
     across_tau: f64
     r: f64
+    z: f64
     size: f64
     nr: f64
 
@@ -99,6 +105,7 @@ def gap_of(ring: Ring, motion: Motion, row: int, origin: wp.vec3d, direction: wp
     g.x = x
     g.tau = tau
     g.r = wp.max(wp.length(w), TINY)
+    g.z = z
     g.size = wp.sqrt(g.r * g.r + z * z)
     d = section_distance(ring, g.r, z)
     g.f = d[0]
@@ -106,11 +113,27 @@ def gap_of(ring: Ring, motion: Motion, row: int, origin: wp.vec3d, direction: wp
     out = w / g.r
     around = wp.cross(pose.axis, out)
     rate = pose.tip_rate + z * pose.axis_rate
-    g.push = -d[1] * wp.dot(out, rate) + d[2] * (wp.dot(w, pose.axis_rate) - wp.dot(pose.tip_rate, pose.axis))
-    g.steep = d[1] * wp.dot(out, direction) + d[2] * wp.dot(pose.axis, direction)
+    g.out_x = -wp.dot(out, rate)
+    g.out_tau = wp.dot(out, direction)
+    g.along_x = wp.dot(w, pose.axis_rate) - wp.dot(pose.tip_rate, pose.axis)
+    g.along_tau = wp.dot(pose.axis, direction)
+    g.push = d[1] * g.out_x + d[2] * g.along_x
+    g.steep = d[1] * g.out_tau + d[2] * g.along_tau
     g.across_x = -wp.dot(around, rate)
     g.across_tau = wp.dot(around, direction)
     return g
+
+
+@wp.func
+def over_line(ring: Ring, g: Gap, i: int) -> Gap:
+    """The same point's distance to the half plane of line i, which is never more than that to the ring."""
+    nz = ring.lines[i, 1]
+    over = g
+    over.nr = ring.lines[i, 0]
+    over.f = over.nr * g.r + nz * g.z - ring.lines[i, 2]
+    over.push = over.nr * g.out_x + nz * g.along_x
+    over.steep = over.nr * g.out_tau + nz * g.along_tau
+    return over
 
 
 @wp.func

@@ -6,20 +6,22 @@ point, with n = (nr, nz) the gradient of f there,
     B = K s²/2 + w |s u|,   C = max(-nr, 0) (|a_x s| + |a_tau u| + B)² / (2 r_min).
 B is what the point's path as the tool sees it bends (K, w: bounds on its second derivatives); C is there on
 the hole's side only, where r grows by b²/2r over a step b around the axis (a_x, a_tau: rates that way). A
-box of poses and ray points whose bound is above minus the slack holds no hit deeper than the slack;
-otherwise it is halved, down a binary tree that is walked without a stack. Where the smallest
-boxes still leave room for one, the search is lost.
+box of poses and ray points whose bound is above minus the slack holds no hit deeper than the slack. As f is
+never below a line of the section, n may also be that of any line: small boxes, which lie where f bends at an
+edge, are tried with all of them. The others are halved, down a binary tree that is walked without a stack.
+Where the smallest boxes still leave room for a hit, the search is lost.
 """
 
 import warp as wp
 
 from gearsim.kernels.pose import Motion
-from gearsim.kernels.ring import Gap, Ring, gap_of
+from gearsim.kernels.ring import Gap, Ring, gap_of, over_line
 
 f64 = wp.float64
 
 SEARCH_EVALUATIONS = wp.constant(50000)
 MAX_DEPTH = wp.constant(120)
+SMALL_DEPTH = wp.constant(16)
 WORD = wp.constant(60)
 ONE = wp.constant(wp.int64(1))
 NONE = wp.constant(0)
@@ -113,6 +115,15 @@ def least_in(ring: Ring, motion: Motion, row: int, g: Gap, hx: f64, ht: f64) -> 
 
 
 @wp.func
+def clear_of_lines(ring: Ring, motion: Motion, row: int, g: Gap, hx: f64, ht: f64, slack: f64) -> bool:
+    """Whether one line of the section keeps the box hx, ht around a known point clear."""
+    for i in range(ring.lines.shape[0]):
+        if least_in(ring, motion, row, over_line(ring, g, i), hx, ht)[0] >= -slack:
+            return True
+    return False
+
+
+@wp.func
 def descend(box: Box, in_tau: bool, up: bool, second: bool) -> Box:
     """One half of a box."""
     box.in_tau = with_bit(box.in_tau, box.depth, in_tau)
@@ -183,8 +194,11 @@ def find_hit(
             found.hit = g
             return found
         least = least_in(ring, motion, row, g, box.hx, box.ht)
-        if box.depth == MAX_DEPTH or least[0] >= -slack:
-            if least[0] < -slack:
+        clear = least[0] >= -slack
+        if not clear and box.depth >= SMALL_DEPTH:
+            clear = clear_of_lines(ring, motion, row, g, box.hx, box.ht, slack)
+        if clear or box.depth == MAX_DEPTH:
+            if not clear:
                 found.outcome = LOST
             box = next_box(box)
         elif least[2] > least[1]:

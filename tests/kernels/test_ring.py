@@ -6,7 +6,7 @@ import warp as wp
 
 from gearsim.kernels.interval import IntervalLists, free_stretch
 from gearsim.kernels.pose import Motion
-from gearsim.kernels.ring import Ring, gap_of, section_distance, window_of
+from gearsim.kernels.ring import Ring, gap_of, over_line, section_distance, window_of
 from gearsim.kernels.ring_search import least_in
 from gearsim.motion.segments import compile_motion
 from gearsim.simulation.tools import motion_data, ring_data
@@ -38,6 +38,12 @@ def gap_kernel(
     gap_out[i, 3] = least_in(ring, motion, row[i], g, box[i][0], box[i][1])[0]
     gap_out[i, 4] = window[0]
     gap_out[i, 5] = window[1]
+    gap_out[i, 6] = F64(-1.0e9)
+    gap_out[i, 7] = F64(-1.0e9)
+    for k in range(ring.lines.shape[0]):
+        over = over_line(ring, g, k)
+        gap_out[i, 6] = wp.max(gap_out[i, 6], over.f)
+        gap_out[i, 7] = wp.max(gap_out[i, 7], least_in(ring, motion, row[i], over, box[i][0], box[i][1])[0])
 
 
 @wp.kernel(enable_backward=False)
@@ -66,7 +72,7 @@ class Pairs:
         def vectors(a, dtype):
             return wp.array(np.ascontiguousarray(a), dtype=dtype, device=self.device)
 
-        out = wp.zeros((self.n, 6), dtype=F64, device=self.device)
+        out = wp.zeros((self.n, 8), dtype=F64, device=self.device)
         inputs = [
             ring_data(self.cutter, 100.0, self.device), motion_data(self.table, self.device),
             vectors(self.row.astype(np.int32), int), vectors(self.origin, wp.vec3d), vectors(self.direction, wp.vec3d),
@@ -122,6 +128,9 @@ def test_the_bound_of_a_box_holds_and_is_sharp_to_second_order(name, device, rng
     inner = [pairs.distance(x + a * hx, tau + b * ht) for a, b in rng.uniform(-1, 1, (40, 2))]
     least = np.min(corners + inner, axis=0)
     assert np.all(ours[:, 3] <= least + 1e-10)
+    assert np.all(ours[:, 7] <= least + 1e-10)  # the lines' own bounds
+    assert np.all(ours[:, 6] <= ours[:, 0] + 1e-12)
+    assert np.mean(ours[:, 6] > ours[:, 0] - 1e-12) > 0.2
     small = (hx < 3e-3) & (ht < 3e-3)
     assert np.quantile((least - ours[:, 3])[small], 0.9) < 1e-4
 
@@ -129,7 +138,7 @@ def test_the_bound_of_a_box_holds_and_is_sharp_to_second_order(name, device, rng
 def test_no_ring_is_met_outside_its_window(device, rng):
     pairs = Pairs(RINGS["ring"], rng, 500, device)
     zero = np.zeros(500)
-    lo, hi = pairs.kernel(zero, zero, zero, zero)[:, 4:].T
+    lo, hi = pairs.kernel(zero, zero, zero, zero)[:, 4:6].T
     for _ in range(200):
         x, tau = rng.uniform(-1, 1, 500), rng.uniform(-30, 30, 500)
         outside = (lo > hi) | (tau < lo) | (tau > hi)
