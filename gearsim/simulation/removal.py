@@ -148,7 +148,8 @@ def cut(
     """Sweep the cutter along the motion through all rays.
 
     ``tolerance`` [mm] bounds the error of each interval's end in the ray's window (what escapes it is cut
-    no deeper than a ten-thousandth of it, see kernels/search.py); of an end beyond the window only that is known.
+    no deeper than a ten-thousandth of it, see kernels/search.py, or by a ring than coordinates are rounded to); of an
+    end beyond the window only that is known.
     ``slots`` is the longest interval list of a ray; ``threads`` the CPU threads (default: all cores);
     ``progress`` is told of rays done. Check ``Removal.status`` or call ``require_trust``. Raises
     MemoryError where the device has no room.
