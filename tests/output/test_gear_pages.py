@@ -122,3 +122,19 @@ def test_round_lengths_and_even_choices():
     assert [round_below(v) for v in (1.0, 1.9, 2.0, 4.9, 7.3, 0.012)] == pytest.approx([1, 1, 2, 2, 5, 0.01])
     assert evenly(15, 4) == [0, 3, 7, 11]
     assert evenly(3, 4) == [0, 1, 2]
+
+
+def test_perfect_pitches_stand_in_the_tolerance_band(texts, tmp_path, monkeypatch):
+    from matplotlib.figure import Figure
+
+    found, limits = inspection(gear_of()), []
+    for pitch in found.pitch.values():
+        pitch.single_um[:], pitch.cumulative_um[:] = 1e-10, 0.0
+    look = Figure.savefig
+    monkeypatch.setattr(
+        Figure, "savefig", lambda f, *a, **k: (limits.extend(x.get_ylim() for x in f.axes), look(f, *a, **k))
+    )
+    draw_pitch(found.pitch, found.runout, found.tolerances_um, "pitch", Save(tmp_path))
+    expected = [found.tolerances_um[name] for name in ("f_p", "f_p", "F_p", "F_p")]
+    assert np.allclose([high for _, high in limits], 1.2 * np.array(expected))
+    assert sum(text == "[µm]" for text, _ in texts[0]) == 4

@@ -14,6 +14,7 @@ from gearsim.output.saving import Save
 from gearsim.surfaces.cylindrical_gear import SIDES, Side
 
 _BAND_LIMIT = 3.0
+_MICROMETRES = Unit("µm", 1.0, 2)
 
 
 def draw_pitch(
@@ -31,18 +32,25 @@ def draw_pitch(
 def draw_pitch_panels(
     axes: Any, pitch: Mapping[Side, PitchResult], tolerances_um: Mapping[str, float], font: float
 ) -> None:
-    """Four panels, shape (2, 2): single above cumulative, left beside right, each row to one scale."""
+    """Four panels, shape (2, 2): single above cumulative, left beside right, each row to one scale.
+
+    Pitches that are perfect stand in the tolerance band, in micrometres: noise is not magnified.
+    """
     rows = (
         ("f_p", "single pitch", [pitch[s].single_um for s in SIDES], _bars),
         ("F_p", "cumulative pitch", [pitch[s].cumulative_um for s in SIDES], _line),
     )
     for row, (name, what, values, draw) in zip(axes, rows, strict=True):
-        unit = unit_for(np.concatenate(values))
+        largest = float(np.nanmax(np.abs(np.concatenate(values)), initial=0.0))
+        perfect = largest < NOISE_UM and bool(np.isfinite(np.concatenate(values)).any())
+        unit = _MICROMETRES if perfect else unit_for(np.concatenate(values))
         for axis, side, um in zip(row, SIDES, values, strict=True):
+            if perfect:
+                axis.axhspan(-tolerances_um[name], tolerances_um[name], color=BAND, lw=0)
             draw(axis, um, unit, side, tolerances_um[name])
             found = pitch[side].single if name == "f_p" else pitch[side].total
             _labels(axis, f"{side} flanks, {what}: {SYMBOLS[name]}", found, unit, tolerances_um[name], font)
-        _same_scale(row, unit.per_um * NOISE_UM)
+        _same_scale(row, 1.2 * tolerances_um[name] if perfect else unit.per_um * NOISE_UM)
     for axis in axes[1]:
         axis.set_xlabel("space", fontsize=font)
 
