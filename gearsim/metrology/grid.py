@@ -16,7 +16,7 @@ from gearsim.metrology.convergence import Convergence, ConvergenceMeasurement, S
 from gearsim.metrology.deviation import Crossing, Deviation, measure
 from gearsim.metrology.findings import Finding, cross_cut, deeper_than_last, out_of_tolerance
 from gearsim.metrology.inspection import Cut, Question, Reading, Solve, Steps
-from gearsim.metrology.last_operation import made_last
+from gearsim.metrology.last_operation import last_heading, made_last
 from gearsim.metrology.roads import LIMIT_UM, RoadGap, road_gap
 from gearsim.metrology.samples import SampleGrid, sample_grid
 from gearsim.metrology.topography import Topography, topography
@@ -177,7 +177,9 @@ class GridInspection:
         for name in self.judged:
             yield from self._not_judged(found, name)
         if self.last and self.last not in found:
-            yield f"the last operation cuts no sample of {self.surface}: the two roads compared nothing"
+            heading = last_heading(found[self.variants[0]].by)
+            last = f"the last operation ({heading})" if heading else "the last operation"
+            yield f"{last} cuts no sample of {self.surface}: the two roads compared nothing"
         for name in (*self.witnessed, *([self.last] if self.last in found else [])):
             yield from no_agreement(f"{self.surface} under {name}", found[name].gap)
         if self.generating:

@@ -26,5 +26,11 @@ def made_last(name: str, whole: Variant, deviation: Deviation) -> Variant | None
     return None
 
 
+def last_heading(whole: Variant) -> str:
+    """The name of the heading under which a program's last rows stand; empty where none is known."""
+    last = max(whole.operations, key=lambda o: int(o.section.max(initial=-1)))
+    return last.headings[int(last.section.max())] if last.headings else ""
+
+
 def _between(operation: Operation, steps: NDArray[np.integer]) -> Operation:
     return operation.part((operation.step >= steps.min()) & (operation.step <= steps.max()))

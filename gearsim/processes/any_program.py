@@ -69,7 +69,9 @@ def _gcode(scene: ProgramScene, file: Path) -> tuple[tuple[Operation, ...], tupl
     reading = ReadSettings(workpiece=table.work_offset, tools=tuple(cutters))
     program = read_program(file, machine, dialect=table.dialect, settings=reading)
     tolerance = scene.simulation.compile_tolerance_mm
-    found = program_operations(program.blocks, cutters, tolerance, shift=table.mounting.build(), text=text)
+    found = program_operations(
+        program.blocks, cutters, tolerance, shift=table.mounting.build(), text=text, headings=program.operations
+    )
     if not found:
         listed = ", ".join(f"T{number} M06" for number in sorted(cutters))
         raise InputError(f"{file}: it moves none of the scene's tools; expected {listed} and moves behind it")

@@ -63,9 +63,8 @@ def plan(scene: GenerationMillingScene, folder: Path) -> Job:
         raise InputError(f"program: it moves none of the scene's tools; expected {listed} and moves behind it")
     finishing = scene.finishing()
     probed = ProbedGear(gear, {side: _reached(gear, side, finishing) for side in SIDES}, finishing.modification)
-    whole = disturbed_operations(
-        program.blocks, tools, disturbance(scene.errors), scene.simulation.compile_tolerance_mm, text
-    )
+    tolerance, real = scene.simulation.compile_tolerance_mm, disturbance(scene.errors)
+    whole = disturbed_operations(program.blocks, tools, real, tolerance, text, program.operations)
     variants, inspections = [Variant(PROGRAM, "the whole program", whole)], list(_inspections(scene, probed))
     feeds = [np.nan] * len(program.operations) if scene.program.file else [step.cutting.feed for step in steps]
     inspections.append(ProgramInspection(PROGRAM, program, tuple(feeds)))

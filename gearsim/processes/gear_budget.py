@@ -82,12 +82,13 @@ def gear_budget(
 
 
 def disturbed_operations(
-    blocks: Blocks, tools: dict[int, Tool], real: Disturbance, tolerance: float, text: str = ""
-) -> tuple[Machined, ...]:
+    blocks: Blocks, tools: dict[int, Tool], real: Disturbance, tolerance: float, text: str = "",
+    headings: tuple[str, ...] = (),
+) -> tuple[Machined, ...]:  # fmt: skip
     """A program's operations as a disturbed machine runs them, relative to the gear."""
     run = replace(blocks, machine=real.machine(blocks.machine))
     cutters = {number: real.cutter(tool) for number, tool in tools.items() if number in set(blocks.tool.tolist())}
-    return program_operations(run, cutters, tolerance, shift=real.mounting, text=text)
+    return program_operations(run, cutters, tolerance, shift=real.mounting, text=text, headings=headings)
 
 
 def causes(plan: _Planner, sizes: BudgetTable) -> Iterator[Cause]:

@@ -37,8 +37,8 @@ class Operation:
 
     ``table.path`` numbers the ``sources``. Of the table's rows, all shape (rows,), ``rapid`` says whether they are run
     by rapid, ``step`` which move of the whole program they belong to, in its order, ``line`` in which line of
-    ``text``, the program they came from, it stands (0: in none), and ``section`` under which of the program's headings.
-    ``holder`` is what stands above the cutter, where it is given.
+    ``text``, the program they came from, it stands (0: in none), and ``section`` under which of the program's
+    ``headings``, where they are known. ``holder`` is what stands above the cutter, where it is given.
     """
 
     name: str
@@ -50,6 +50,7 @@ class Operation:
     line: NDArray[np.integer]
     section: NDArray[np.integer]
     text: str = ""
+    headings: tuple[str, ...] = ()
     holder: Profile | None = None
 
     def __len__(self) -> int:

@@ -18,11 +18,13 @@ _STILL = Rigid(np.eye(3), np.zeros(3))
 
 
 def program_operations(
-    blocks: Blocks, cutters: Mapping[int, Profile], tolerance: float, *, shift: Rigid = _STILL, text: str = ""
-) -> tuple[Operation, ...]:
+    blocks: Blocks, cutters: Mapping[int, Profile], tolerance: float, *, shift: Rigid = _STILL, text: str = "",
+    headings: tuple[str, ...] = (),
+) -> tuple[Operation, ...]:  # fmt: skip
     """One operation a tool that the blocks move, in the order of their numbers; a row's step is its block.
 
-    ``shift`` takes what is seen from the program's zero to the part's frame. Blocks of other tools are left out.
+    ``shift`` takes what is seen from the program's zero to the part's frame. ``headings`` are the names that
+    the blocks' operations go by. Blocks of other tools are left out.
     """
     found = []
     for number in sorted(set(blocks.tool.tolist()) & set(cutters)):
@@ -32,7 +34,7 @@ def program_operations(
         found.append(
             Operation(
                 f"T{number}", cutter, (MovedMotion(source, shift),), table, blocks.rapid[step], step, blocks.line[step],
-                blocks.operation[step], text=text,
+                blocks.operation[step], text=text, headings=headings,
             )
         )  # fmt: skip
     return tuple(found)
