@@ -7,9 +7,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from gearsim.machines.axis_speed import fastest_axis
 from gearsim.metrology.inspection import Reading, Steps
 from gearsim.programs.gcode import Program
-from gearsim.toolpaths.cylindrical.feed import fastest_axis
 
 if TYPE_CHECKING:
     from gearsim.metrology.job import Job

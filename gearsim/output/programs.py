@@ -6,7 +6,6 @@ from collections.abc import Sequence
 from typing import Any
 
 from gearsim.metrology.program_times import ProgramMeasurement
-from gearsim.output.gear.words import duration
 from gearsim.output.markdown import table
 from gearsim.output.summary import number
 from gearsim.result import Result
@@ -46,6 +45,14 @@ def sections(result: Result, found: Sequence[ProgramMeasurement]) -> dict[str, s
         + _hours(result, program)
     )
     return {"details": text}
+
+
+def duration(seconds: float | None) -> str:
+    """A time as h:mm:ss."""
+    if seconds is None:
+        return "–"
+    whole = round(seconds)
+    return f"{whole // 3600}:{whole // 60 % 60:02d}:{whole % 60:02d}"
 
 
 def _hours(result: Result, program: dict[str, Any]) -> str:

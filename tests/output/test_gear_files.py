@@ -14,7 +14,8 @@ from gearsim.output.gear import budget, inspection
 from gearsim.output.gear.budget import error_budget
 from gearsim.output.gear.draw import _at
 from gearsim.output.gear.whole import _along, layers
-from gearsim.output.gear.words import duration, exactly, order, size
+from gearsim.output.gear.words import exactly, order, size
+from gearsim.output.programs import duration
 from gearsim.output.report import report_text
 from gearsim.output.screen import print_result
 from gearsim.output.summary import summary, write_json

@@ -1,4 +1,4 @@
-"""Numbers of a gear report in words: sizes in the unit that fits, times, orders."""
+"""Numbers of a gear report in words: sizes in the unit that fits, orders."""
 
 from __future__ import annotations
 
@@ -24,14 +24,6 @@ def size(um: float | None) -> str:
 def exactly(um: float) -> str:
     """The same, but never a plain 0 for what is merely small."""
     return size(um) if abs(um) >= NOISE_UM or um == 0.0 else f"{1e3 * um:.1e} nm".replace("-", "−")
-
-
-def duration(seconds: float | None) -> str:
-    """A time as h:mm:ss."""
-    if seconds is None:
-        return "–"
-    whole = round(seconds)
-    return f"{whole // 3600}:{whole // 60 % 60:02d}:{whole % 60:02d}"
 
 
 def order(steps: Sequence[float], values: Sequence[float]) -> float | None:

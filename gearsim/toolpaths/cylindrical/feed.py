@@ -5,12 +5,11 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from gearsim.geometry.series import Series
+from gearsim.machines.axis_speed import fastest_axis
 from gearsim.machines.chain import Machine
 
 LARGEST_F = 9999.0
 SHORTEST_S = 60.0 / LARGEST_F
-_RADIAL = 1e-6
 
 
 def block_seconds(
@@ -27,24 +26,6 @@ def block_seconds(
     way = np.maximum(fastest_axis(machine, before, change), contact)
     seconds = np.maximum(60.0 * way / feed, SHORTEST_S)
     return np.concatenate([[np.nan], np.where(rapid[1:], np.nan, seconds)])
-
-
-def fastest_axis(machine: Machine, before: NDArray, change: NDArray) -> NDArray:
-    """Largest speed on the workpiece of the tool's axis up to z = 0 [mm per block], (n,); all axes change linearly.
-
-    In the frame that turns with the table a point of the tool is linear in time, so its velocity is, too, and its
-    speed is largest at one end of the block; along the tool it is largest at one end of the length in question.
-    """
-    speeds = []
-    for at in (before, before + change):
-        axes = [Series(np.stack([at[:, i], change[:, i]])) for i in range(at.shape[1])]
-        pose = machine.forward_series(axes)
-        upright = pose.axis.value[:, 2] > _RADIAL
-        rise = np.where(upright, pose.axis.value[:, 2], 1.0)
-        length = np.where(upright, np.maximum(-pose.tip.value[:, 2], 0.0) / rise, 0.0)
-        for up in (0.0, length[:, None]):
-            speeds.append(np.linalg.norm(pose.tip.c[1] + up * pose.axis.c[1], axis=-1))
-    return np.max(speeds, axis=0)
 
 
 def cutting_seconds(seconds: NDArray) -> float:

@@ -7,13 +7,13 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
+from gearsim.machines.axis_speed import fastest_axis
 from gearsim.machines.chain import Machine
 from gearsim.programs.gcode import Program, ReadSettings, read_program
 from gearsim.programs.operation import Operation
 from gearsim.programs.post import write_program
 from gearsim.programs.post_options import Header, PostOptions
 from gearsim.surfaces.cylindrical_gear import CylindricalGear
-from gearsim.toolpaths.cylindrical.feed import fastest_axis
 from gearsim.toolpaths.cylindrical.plan import plan_gear
 from gearsim.toolpaths.cylindrical.settings import Settings
 
