@@ -22,6 +22,8 @@ from gearsim.result import Result
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
+_PIXELS = 1400.0  # across a picture of few panels
+
 
 def chart_all(
     result: Result, folder: Path, formats: tuple[str, ...], tell: Callable[[dict[str, str]], None]
@@ -52,7 +54,7 @@ def draw_grids(result: Result, dense: Sequence[GridMeasurement], save: Save) -> 
     if perfect:
         named = f"as intended to 1 nm: {', '.join(perfect)}"
         figure.text(0.6 / width, 1.0 - 0.6 / height, "\n".join(wrap(named, int(13 * width))), fontsize=9, va="top")
-    save(figure, "deviation.png", 80)
+    save(figure, "deviation.png", round(max(80.0, _PIXELS / width)))
     return {"deviation.png": "Deviation maps of every surface under every motion"}
 
 
