@@ -171,10 +171,27 @@ def _add_verify(commands: Any) -> None:
     verify.set_defaults(command=_verify)
 
 
+_BENCH_HELP = """examples:
+  gearsim bench                                      # lists the suites
+  gearsim bench removal                              # small: under 45 s on two cores
+  gearsim bench scenes                               # the README's command, warm and cold, and four scenes: minutes
+  gearsim bench scenes --size large --out now.json   # all scenes
+  gearsim bench scenes --against ../before/.venv     # beside another build, in turns; prints the ratios
+"""
+
+
 def _add_bench(commands: Any) -> None:
-    bench = commands.add_parser("bench", help="measure speed: rays, segments and ray-segment pairs per second")
+    bench = commands.add_parser(
+        "bench",
+        help="measure speed: rays, segments and ray-segment pairs per second, whole scenes",
+        description="Measure speed on this machine, by suites.",
+        epilog=_BENCH_HELP,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )
     bench.add_argument("suite", nargs="?", help="the suite to run (default: list them)")
-    bench.add_argument("--size", default="small", help="small (under 45 s on two cores; default) or large")
+    bench.add_argument("--size", default="small", help="small (default) or large")
+    bench.add_argument("--against", type=Path, metavar="VENV",
+                       help="with suite scenes: also run the build installed in this virtual environment")  # fmt: skip
     bench.add_argument("--peers", action="store_true", help="measure other programs on the same work instead")
     bench.add_argument("--device", default="cpu", help="cpu or cuda:0, ...")
     bench.add_argument("--out", type=Path, help="also write the figures as JSON to this file")
@@ -295,26 +312,9 @@ def _verify(options: argparse.Namespace) -> int:
 
 
 def _bench(options: argparse.Namespace) -> int:
-    from gearsim.bench.suites import SUITES, run_suite
-    from gearsim.output.screen import print_bench
+    from gearsim.bench.command import bench
 
-    if options.peers and options.suite:
-        raise InputError("--peers takes no suite; give one or the other")
-    suite = "peers" if options.peers else options.suite
-    if suite is None:
-        for name, measure in SUITES.items():
-            print(f"{name:{max(map(len, SUITES))}}  {(measure.__doc__ or '').splitlines()[0]}")
-        return 0
-    report = run_suite(suite, options.device, options.size)
-    print_bench(report)
-    if options.out:
-        from gearsim.output.summary import write_json
-
-        try:
-            write_json(report, options.out)
-        except OSError as error:
-            raise InputError(f"cannot write {options.out}: {error.strerror}") from error
-    return 0
+    return bench(options)
 
 
 if __name__ == "__main__":

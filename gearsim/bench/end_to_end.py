@@ -2,19 +2,14 @@
 
 from __future__ import annotations
 
-import json
-import os
-import subprocess
-import sys
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from time import perf_counter
 from typing import Any
 
+from gearsim.bench.builds import this_build
 from gearsim.bench.timing import Times
-from gearsim.errors import NumericalError
 
-SCENE = ("spiral-bevel-flank",)
+SCENE = "spiral-bevel-flank"
 REPEATS = {"small": 1, "large": 3}
 STAGES = ("compile", "plan", "kernel", "total")
 _COLUMNS = ("case", "runs", "seconds", "spread", *(f"{stage} s" for stage in STAGES))
@@ -29,7 +24,7 @@ def end_to_end(device: str, size: str) -> dict[str, Any]:
                 runs[kind].append(_run(Path(folder), device))
     rows = [_row(kind, of) for kind, of in runs.items()]
     notes = [
-        f"gearsim run {SCENE[0]} by the installed command, wall time from start to exit, medians. cold: Warp's kernel "
+        f"gearsim run {SCENE} by the installed command, wall time from start to exit, medians. cold: Warp's kernel "
         "cache is an empty folder; warm: the next run with that folder. Stages as the run's own report.json has them: "
         "compile (cold) or load (warm) the kernels, plan, launches of the removal kernels, and all between start and "
         "the writing of files.",
@@ -38,16 +33,9 @@ def end_to_end(device: str, size: str) -> dict[str, Any]:
 
 
 def _run(folder: Path, device: str) -> dict[str, float]:
-    """One run with its kernel cache and its output in a folder; seconds, in all and by stage."""
-    command = [str(Path(sys.executable).with_name("gearsim")), "run", *SCENE, "--out", "out", "--device", device]
-    environment = {**os.environ, "WARP_CACHE_PATH": str(folder / "kernels")}
-    started = perf_counter()
-    done = subprocess.run(command, cwd=folder, env=environment, capture_output=True, text=True)
-    seconds = perf_counter() - started
-    if done.returncode:
-        raise NumericalError(f"{' '.join(command[1:])} ended with exit code {done.returncode}: {done.stderr.strip()}")
-    stages = json.loads((folder / "out" / "report.json").read_text(encoding="utf-8"))["timings_s"]
-    return {"seconds": seconds, **{stage: stages[stage] for stage in STAGES}}
+    """One run with its kernel cache in a folder; seconds, in all and by stage."""
+    run = this_build(folder).run(SCENE, device, folder / "kernels")
+    return {"seconds": run.usage.seconds, **{stage: run.stages[stage] for stage in STAGES}}
 
 
 def _row(kind: str, runs: list[dict[str, float]]) -> dict[str, Any]:

@@ -6,6 +6,7 @@ Runs in processes of their own (``python -m gearsim.bench.memory``), whose peak 
 from __future__ import annotations
 
 import json
+import os
 import resource
 import subprocess
 import sys
@@ -14,6 +15,7 @@ from dataclasses import fields
 from time import perf_counter, process_time
 from typing import Any, NamedTuple
 
+from gearsim.bench.children import memory_of
 from gearsim.bench.workloads import (
     Case,
     about_dexels,
@@ -115,12 +117,8 @@ def _cut(kind: str, count: int, tile: int) -> Peak:
 
 
 def _peak_bytes() -> int:
-    """This process's own peak; Linux counts in ru_maxrss also what the process that started it held."""
-    try:
-        with open("/proc/self/status", encoding="ascii") as file:
-            return next(int(line.split()[1]) for line in file if line.startswith("VmHWM")) * 1024
-    except (OSError, StopIteration):
-        return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * 1024
+    """This process's own peak."""
+    return memory_of(os.getpid())[1] or resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * 1024
 
 
 if __name__ == "__main__":

@@ -7,6 +7,7 @@ import platform
 from collections.abc import Callable
 from datetime import UTC, datetime
 from importlib.metadata import version
+from pathlib import Path
 from time import perf_counter
 from typing import Any
 
@@ -20,6 +21,7 @@ from gearsim.bench.peers import peers
 from gearsim.bench.program import program
 from gearsim.bench.removal import removal
 from gearsim.bench.scaling import scaling
+from gearsim.bench.scenes import scenes
 from gearsim.errors import InputError
 from gearsim.simulation.removal import device_name
 
@@ -30,19 +32,25 @@ SIZES = ("small", "large")
 SUITES: dict[str, Suite] = {
     "removal": removal, "envelope": envelope, "end-to-end": end_to_end, "goals": goals, "scaling": scaling,
     "peers": peers, "code": code, "program": program, "gouging": gouging,
+    "scenes": scenes,
 }  # fmt: skip
 
 
-def run_suite(name: str, device: str, size: str = "small") -> dict[str, Any]:
+def run_suite(name: str, device: str, size: str = "small", against: Path | None = None) -> dict[str, Any]:
     """Run a suite and return its table with the machine it ran on.
 
-    ``size`` is ``small`` (under 45 s on two cores) or ``large``. Raises InputError for an unknown suite or size.
+    ``size`` is ``small`` (under 45 s on two cores; whole scenes take minutes) or ``large``; ``against`` is a virtual
+    environment with another build, for suite ``scenes``. Raises InputError for what is unknown or does not go together.
     """
     if name not in SUITES:
         raise InputError(f"no benchmark suite {name!r}; there are {', '.join(SUITES)}")
     if size not in SIZES:
         raise InputError(f"no size {size!r}; there are {', '.join(SIZES)}")
-    return run_report(name, device, lambda: SUITES[name](device, size), size)
+    if against is None:
+        return run_report(name, device, lambda: SUITES[name](device, size), size)
+    if name != "scenes":
+        raise InputError(f"--against runs another build's scenes: gearsim bench scenes --against VENV, not {name}")
+    return run_report(name, device, lambda: scenes(device, size, against), size)
 
 
 def run_report(name: str, device: str, measure: Callable[[], dict[str, Any]], size: str = "small") -> dict[str, Any]:

@@ -251,7 +251,7 @@ def test_counted_bytes_are_those_of_the_arrays():
 
 
 def test_a_failed_run_is_told(tmp_path, monkeypatch):
-    monkeypatch.setattr(end_to_end, "SCENE", ("nosuch",))
+    monkeypatch.setattr(end_to_end, "SCENE", "nosuch")
     with pytest.raises(NumericalError, match="exit code 2: gearsim: no scene named 'nosuch'"):
         end_to_end._run(tmp_path, "cpu")
 
@@ -278,5 +278,10 @@ def test_the_command_lists_suites_and_refuses_nonsense(capsys):
     assert main(["bench", "removal", "--size", "huge"]) == 2
     assert "no size 'huge'; there are small, large" in capsys.readouterr().err
     assert main(["bench", "removal", "--peers"]) == 2
+    capsys.readouterr()
+    assert main(["bench", "removal", "--against", "."]) == 2
+    assert "gearsim bench scenes --against VENV, not removal" in capsys.readouterr().err
+    assert main(["bench", "--against", "."]) == 2
+    assert "--against goes with a suite" in capsys.readouterr().err
     with pytest.raises(InputError, match="no benchmark suite"):
         suites.run_suite("nosuch", "cpu")
