@@ -15,7 +15,7 @@ COLOURS = {"convex": "#d1495b", "concave": "#2e6f95"}
 
 def patch_meshes(data: dict[str, NDArray]) -> dict[str, Any]:
     """The machined patches (intended points moved by their deviation) with their measured values."""
-    names = sorted({key.split(":")[1] for key in data if key.startswith("patch:")})
+    names = sorted({key.split(":", 1)[1].rsplit(":", 1)[0] for key in data if key.startswith("patch:")})
     out = {}
     for number, name in enumerate(names):
         point, normal = data[f"patch:{name}:point"], data[f"patch:{name}:normal"]

@@ -85,7 +85,9 @@ def _roads(dense: Sequence[GridMeasurement]) -> str:
             rows.append([f"{m.surface}: {m.variant}", gap, m.gap.valid, m.gap.excluded, m.gap.disagree, share])
     alone = list(dict.fromkeys(m.surface for m in dense if m.gap is None))
     alone = [name for name in alone if all(m.gap is None for m in dense if m.surface == name)]
-    one = f"\nBy the kernel alone: {', '.join(alone)}.\n" if alone else ""
+    one = f"By the kernel alone: {', '.join(alone)}.\n" if alone else ""
+    if not rows:
+        return one
     counted = "".join(
         f"- {m.surface}: {m.missing.size:,} samples, {int(m.missing.sum()):,} without a point of the closed form, "
         f"{int(m.trimmed.sum()):,} trimmed by the generating motion itself\n"
@@ -95,7 +97,7 @@ def _roads(dense: Sequence[GridMeasurement]) -> str:
         "The machined surface is found by two roads: the closed-form envelope of the exact motion, trimmed; and a "
         "kernel that sweeps the cutter through rays and knows no envelope condition. They must agree to 1 nm.\n\n"
         + table(["Largest gap of the two roads", "nm", "samples", "excluded", "disagree", "classes"], rows)
-        + one + (f"\n{counted}" if counted else "")
+        + (f"\n{one}" if one else "") + (f"\n{counted}" if counted else "")
     )  # fmt: skip
 
 

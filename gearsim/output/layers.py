@@ -19,9 +19,9 @@ _POINTS = 61
 _LIFT = 0.04  # mm out of the surface, so that curves are not drawn inside it
 
 
-def patch_arrays(grid: SampleGrid, deviation: Deviation) -> dict[str, NDArray]:
-    """One measured surface."""
-    name = grid.patch.name
+def patch_arrays(grid: SampleGrid, deviation: Deviation, name: str = "") -> dict[str, NDArray]:
+    """One measured surface, by the patch's name or another."""
+    name = name or grid.patch.name
     return {
         f"patch:{name}:point": grid.point,
         f"patch:{name}:normal": grid.normal,

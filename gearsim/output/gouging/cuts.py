@@ -159,13 +159,12 @@ def _least(cut: ToolCut) -> NDArray:
 
 
 def layers(result: Result, found: Sequence[GougingMeasurement]) -> dict[str, NDArray]:
-    """The machined surface under every tool, with the tool at the contact that is drawn."""
+    """The machined surface under every tool, with the tool at the contact that is drawn; the main tool adds no name."""
     arrays: dict[str, NDArray] = {}
     drawn = next((m for m in result.measurements.values() if isinstance(m, ContactMeasurement)), None)
     for number_, m in enumerate(found):
-        named, grid = f"{number_ + 1} {m.variant}", m.cut.grid
-        patch = patch_arrays(grid, m.cut.deviation)
-        arrays |= {key.replace(grid.patch.name, named, 1): value for key, value in patch.items()}
+        named = m.surface if m.variant == result.job.main else f"{m.surface} {number_ + 1} {m.variant}"
+        arrays |= patch_arrays(m.cut.grid, m.cut.deviation, named)
         arrays[f"gouge:{named}:profile"] = outline(m.cut.cutter)
         arrays[f"gouge:{named}:label"] = np.array(f"{m.variant}: {tool_words(m.cut.cutter)}")
         tip = np.full(3, np.nan)

@@ -1,0 +1,79 @@
+"""Files of runs without flanks: a surface cut by one tool and by two, and numbers for which nothing is cut."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from gearsim.output.drawer import patch_meshes
+from gearsim.output.exr import header, write_exr
+from gearsim.output.presenters import collected
+from gearsim.output.write import write_result
+from gearsim.processes.run import run
+from gearsim.scene import check_scene
+from gearsim.surfaces.nurbs_file import load_surfaces, write_surfaces
+
+ROWS, COLUMNS = 9, 5
+BALL = {"kind": "ball", "diameter_mm": 20.0, "height_mm": 60.0}
+
+
+def cut(folder, name="khan-9-1-free-form", **more):
+    """The free-form of Khan 9.1 under another name, cut by few passes and measured on few points."""
+    surface = replace(load_surfaces("khan-9-1-free-form")[0], name=name)
+    write_surfaces([surface], folder / "surface.json")
+    tables = {
+        "scene": {"name": "few passes"},
+        "surface": {"kind": "nurbs", "file": "surface.json"},
+        "cutter": BALL,
+        "toolpath": {"along": "v", "stepover_mm": 30.0, "points": 5},
+        "metrology": {"rows": ROWS, "columns": COLUMNS},
+        **more,
+    }
+    return run(check_scene(tables, "few passes"), folder=folder)
+
+
+@pytest.mark.parametrize("name", ["khan-9-1-free-form", "patch", "a: b"])
+def test_one_tool_is_drawn_on_one_surface_whatever_its_name(tmp_path, name):
+    import pyvista as pv
+
+    result = cut(tmp_path, name)
+    assert write_result(result, tmp_path) == []
+    assert (tmp_path / "surface.png").stat().st_size > 10_000
+    assert pv.read(tmp_path / "tooth.vtp").n_points == ROWS * COLUMNS
+
+
+def test_every_tool_has_its_surface_once_the_main_one_first(tmp_path):
+    result = cut(tmp_path, larger={**BALL, "diameter_mm": 30.0})
+    data = {key: value for arrays in collected(result, "layers") for key, value in arrays.items()}
+    meshes = list(patch_meshes(data).values())
+    tools = [m for key, m in result.measurements.items() if key[2] == "gouging"]
+    assert [m.variant for m in tools] == ["chosen tool", "larger tool"]
+    for mesh, m in zip(meshes, tools, strict=True):
+        np.testing.assert_array_equal(np.sort(mesh["deviation_um"]), np.sort(1e3 * m.cut.deviation.value, axis=None))
+    assert len({mesh["deviation_um"].tobytes() for mesh in meshes}) == 2
+
+
+def test_a_report_claims_two_roads_only_where_two_were_taken(tmp_path):
+    write_result(cut(tmp_path), tmp_path)
+    text = (tmp_path / "report.md").read_text()
+    assert "two roads" not in text
+    assert "By the kernel alone: khan-9-1-free-form." in text
+    assert "Does the overcut appear where it is predicted?" in text
+
+
+def test_a_report_of_numbers_alone_speaks_of_no_deviation(tmp_path):
+    result = run("gouge-verification")
+    write_result(result, tmp_path)
+    text = (tmp_path / "report.md").read_text()
+    assert "**PASS**: nothing is cut" in text
+    for word in ("deviation", "within tolerance", "## Findings"):
+        assert word not in text
+
+
+def test_parts_of_different_sizes_share_one_exr(tmp_path):
+    import OpenEXR
+
+    parts = {"small": {"a": np.ones((2, 3))}, "tall": {"a": np.full((7, 2), 2.0)}}
+    write_exr(parts, header("faces", "part"), tmp_path / "a.exr")
+    with OpenEXR.File(str(tmp_path / "a.exr"), separate_channels=True) as file:
+        assert {p.name(): p.channels["a"].pixels.shape for p in file.parts} == {"small": (2, 3), "tall": (7, 2)}
