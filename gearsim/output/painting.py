@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import json
 import pickle
+import re
 import subprocess
 import sys
 from collections.abc import Callable
@@ -76,7 +77,8 @@ def _reason(kind: str, names: list[str], errors: str, code: int) -> str:
     said = (errors.strip().splitlines() or [f"the drawing process ended with code {code}"])[-1]
     what = "3D pictures" if kind == "solid" else "charts"
     listed = f" ({', '.join(names)})" if names else ""
-    return f"{what}{listed}: {said}" + (f". {_REMEDY}" if kind == "solid" else "")
+    ours = re.match(r"\w*(Error|Exception)\b", said) is not None  # a fault of the drawing, not of the machine
+    return f"{what}{listed}: {said}" + (f". {_REMEDY}" if kind == "solid" and not ours else "")
 
 
 def main(kind: str) -> None:

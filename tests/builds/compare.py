@@ -80,7 +80,7 @@ def compare_samples(old: Path, new: Path) -> tuple[int, list[Differs], list[str]
     first, second = (
         {n: np.array(t[n].to_pylist(), dtype=object) for n in t.column_names} for t in (a, b)
     )  # fmt: skip
-    by, places = ("tool" if "tool" in first else "flank"), {}
+    by, places = next(name for name in ("tool", "flank", "surface") if name in first), {}
     for i, key in enumerate(zip(second["surface"], *(second[k] for k in _KEYS), strict=True)):
         places[key] = i
     only = second["surface"][0] if by == "tool" else None
