@@ -58,6 +58,8 @@ def verdict(part: Part, readings: Sequence[Reading]) -> tuple[Verdict, str]:
     else:
         wanted = (name for name, surface in part.surfaces.items() if surface.tolerance is not None)
         doubts += [f"{name} was not measured: nothing of it was judged" for name in wanted if name not in judged]
+        free = (name for name, surface in part.surfaces.items() if surface.tolerance is None and name in judged)
+        doubts += [f"{name} has no tolerance to be judged by" for name in free]
     if doubts:
         return "unchecked", "; ".join(dict.fromkeys(doubts))
     fails = any(finding.fails for reading in readings for finding in reading.findings)

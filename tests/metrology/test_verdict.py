@@ -60,6 +60,7 @@ def finding(fails):
         ([Reading()], "unchecked", "nothing was judged"),
         ([Reading(judged=("b",))], "unchecked", "a was not measured"),
         ([Reading(judged=("a",))], "pass", "OK"),
+        ([Reading(judged=("a", "b"))], "unchecked", "b has no tolerance to be judged by"),
         ([Reading(judged=("a",)), Reading(findings=(finding(False),))], "pass", "OK"),
         ([Reading(judged=("a",), findings=(finding(True),))], "fail", "OK"),
         ([Reading(judged=("a",), findings=(finding(True),), doubts=("x", "x"))], "unchecked", "x"),
