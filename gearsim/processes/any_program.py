@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import replace
 from difflib import get_close_matches
 from pathlib import Path
 
@@ -36,6 +37,8 @@ def plan(scene: ProgramScene, folder: Path) -> Job:
     limits = Limits(Tolerance.both(m.tolerance_um), Tolerance(m.root_tolerance_um or m.tolerance_um, float("inf")))
     part, box = part_of(scene.surface, folder, limits, m.window_mm, scene.simulation.dexel_pitch_mm)
     judged = _judged(scene, part)
+    free = {name: replace(s, tolerance=s.tolerance if name in judged else None) for name, s in part.surfaces.items()}
+    part = replace(part, surfaces=free)
     file = folder / scene.toolpath.file
     operations, notes = _gcode(scene, file) if scene.toolpath.is_gcode else _cl_data(scene, file)
     move = "the rapid move of line {line}" if scene.toolpath.is_gcode else "rapid move {number} of the CL data"

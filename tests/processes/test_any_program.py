@@ -56,6 +56,15 @@ def test_a_bevel_gear_cut_from_gcode_is_that_cut_from_cl_data(flank, by_gcode):
     assert nc.measurements["", "program", "tri-dexel"].check_um < 1e-3
 
 
+def test_surfaces_that_are_not_judged_have_no_tolerance_and_no_say(flank, by_gcode):
+    """The root's surfaces keep their stock; only the convex flank decides."""
+    scene = gcode_scene(flank[0], metrology=GRID | {"judged": ["convex"]})
+    result = run(check_scene(scene, "own"), folder=by_gcode[1])
+    assert result.verdict == "pass"
+    assert [n for n, s in result.job.part.surfaces.items() if s.tolerance is not None] == ["convex"]
+    assert ("concave", "program", DENSE) in result.measurements
+
+
 def test_every_cut_knows_its_line(by_gcode):
     result, _ = by_gcode
     (operation,) = result.job.variant("program").operations
