@@ -12,13 +12,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gearsim.cutters.profile import Profile
-from gearsim.envelope.candidates import Crossings, Kind, all_candidates
-from gearsim.envelope.trim import path_distance
+from gearsim.envelope.candidates import Candidates, Crossings, Kind, together
+from gearsim.envelope.swept import Swept
 from gearsim.geometry.rays import RayBundle
 from gearsim.motion.sources import MotionSource
 
 TRIM_TOLERANCE = 1e-9
-_CLEAR = 2.0 * TRIM_TOLERANCE  # farther off, a distance is not needed exactly
 _CHECKED = 1e-3
 _BEFORE = 1e-6
 _SLICED = 256
@@ -55,69 +54,89 @@ class EnvelopeRoad:
         return {k.name.lower(): float(np.mean(self.kind == k)) for k in Kind}
 
 
-def machined_along(rays: RayBundle, sources: Sequence[MotionSource], cutter: Profile) -> EnvelopeRoad:
+def machined_along(
+    rays: RayBundle, sources: Sequence[MotionSource], cutter: Profile, device: str = "cpu"
+) -> EnvelopeRoad:  # fmt: skip
     """Where rays whose material lies behind their origin meet the surface machined by some motions.
 
     From an origin that no pose reaches, outward to the first surviving crossing; from one inside the cut,
     inward to it. A candidate survives if no pose of any exact motion holds it deeper than 1e-9 mm. Rays that
     find nothing near their origin, or on whose way to the crossing another one was missed, are searched
-    along their whole window. Slices of the rays run on all cores: NumPy lets go of the interpreter.
+    along their whole window. On the CPU slices of the rays run on all cores.
     """
     if not len(rays):
-        none = Crossings(*(np.empty(0, dtype=k) for k in (int, float, int, int, float, int, float, float)))
-        return _road(0, none, np.empty(0, dtype=int))
-    cores = os.cpu_count() or 1
-    ends = np.linspace(0, len(rays), cores + 1).astype(int) if len(rays) >= _SLICED else np.array([0, len(rays)])
-    parts = [rays.part(slice(a, b)) for a, b in pairwise(ends)]
+        return _road(0, together([]), np.empty(0, dtype=int))
+    cut = Cut([Candidates(Swept(source, cutter, device)) for source in sources])
+    cores = (os.cpu_count() or 1) if device == "cpu" and len(rays) >= _SLICED else 1
+    ends = np.linspace(0, len(rays), cores + 1).astype(int)
     with ThreadPoolExecutor(cores) as pool:
-        roads = list(pool.map(lambda part: _machined(part, sources, cutter), parts))
+        roads = list(pool.map(lambda span: cut.along(rays.part(slice(*span))), pairwise(ends)))
     return EnvelopeRoad(*(np.concatenate(c) for c in zip(*(road.columns() for road in roads), strict=True)))
 
 
-def _machined(rays: RayBundle, sources: Sequence[MotionSource], cutter: Profile) -> EnvelopeRoad:
-    inside = _least_distance(sources, cutter, rays.origin) < 0.0
-    road = _search(rays, sources, cutter, inside, thorough=False)
-    again = np.flatnonzero(~road.valid | _passes_a_crossing(rays, sources, cutter, inside, road.deviation))
-    if len(again):
-        found = _search(rays.part(again), sources, cutter, inside[again], thorough=True)
-        for old, new in zip(road.columns(), found.columns(), strict=True):
-            old[again] = new
-    return road
+@dataclass(frozen=True)
+class Cut:
+    """What some motions leave, each with its candidates."""
 
+    motions: list[Candidates]
 
-def _search(
-    rays: RayBundle, sources: Sequence[MotionSource], cutter: Profile, inside: NDArray, thorough: bool
-) -> EnvelopeRoad:
-    found = [all_candidates(rays, source, cutter, thorough) for source in sources]
-    path = np.repeat(np.arange(len(sources)), [len(f.ray) for f in found])
-    every = Crossings(*(np.concatenate(columns) for columns in zip(*found, strict=True)))
-    ahead = np.flatnonzero(_ahead(every, inside))
-    every, path = Crossings(*(c[ahead] for c in every)), path[ahead]
-    points = rays.origin[every.ray] + every.tau[:, None] * rays.direction[every.ray]
-    standing = _least_distance(sources, cutter, points) > -TRIM_TOLERANCE
-    chosen = _nearest(every, standing)
-    return _road(len(rays), Crossings(*(c[chosen] for c in every)), path[chosen])
+    def along(self, rays: RayBundle) -> EnvelopeRoad:
+        """The machined surface along rays."""
+        inside = self._reaches(rays.origin, 0.0)
+        road = self._search(rays, inside, thorough=False)
+        again = np.flatnonzero(~road.valid | self._passes_a_crossing(rays, inside, road.deviation))
+        if len(again):
+            found = self._search(rays.part(again), inside[again], thorough=True)
+            for old, new in zip(road.columns(), found.columns(), strict=True):
+                old[again] = new
+        return road
 
+    def _search(self, rays: RayBundle, inside: NDArray, thorough: bool) -> EnvelopeRoad:
+        found = [self._near(motion, rays, thorough) for motion in self.motions]
+        path = np.repeat(np.arange(len(found)), [len(f.ray) for f in found])
+        every = together(found)
+        ahead = np.flatnonzero(_ahead(every, inside))
+        every, path = Crossings(*(c[ahead] for c in every)), path[ahead]
+        points = rays.origin[every.ray] + every.tau[:, None] * rays.direction[every.ray]
+        chosen = _nearest(every, ~self._reaches(points, TRIM_TOLERANCE))
+        return _road(len(rays), Crossings(*(c[chosen] for c in every)), path[chosen])
 
-def _passes_a_crossing(
-    rays: RayBundle, sources: Sequence[MotionSource], cutter: Profile, inside: NDArray, deviation: NDArray
-) -> NDArray:
-    """Whether points on the way from the origin to the crossing lie in the other state than the origin.
+    def _near(self, motion: Candidates, rays: RayBundle, thorough: bool) -> Crossings:
+        """Candidates of one motion; of several, only along rays whose window its cutter comes near."""
+        if len(self.motions) == 1:
+            return motion.along(rays, thorough)
+        window = float(max(rays.end.max(), -rays.start.min()))
+        near = np.flatnonzero(motion.swept.least_distance(rays.origin, floor=window, enough=window) <= window)
+        found = motion.along(rays.part(near), thorough)
+        return found._replace(ray=near[found.ray])
 
-    A crossing behind a missed one leads back: a nanometre before it, too, the state is the other one.
-    """
-    way = np.abs(np.nan_to_num(deviation))
-    passes = np.zeros(len(rays), dtype=bool)
-    for share, least in ((0.25, _CHECKED), (0.5, _CHECKED), (0.75, _CHECKED), (1.0, 4.0 * _BEFORE)):
-        row = np.flatnonzero(way > least)
-        tau = share * deviation[row] - (np.copysign(_BEFORE, deviation[row]) if share == 1.0 else 0.0)
-        distance = _least_distance(sources, cutter, rays.origin[row] + tau[:, None] * rays.direction[row])
-        passes[row] |= np.where(inside[row], distance > TRIM_TOLERANCE, distance < -TRIM_TOLERANCE)
-    return passes
+    def _passes_a_crossing(self, rays: RayBundle, inside: NDArray, deviation: NDArray) -> NDArray:
+        """Whether points on the way from the origin to the crossing lie in the other state than the origin.
 
+        A crossing behind a missed one leads back: a nanometre before it, too, the state is the other one.
+        """
+        way = np.abs(np.nan_to_num(deviation))
+        shares = [(0.25, _CHECKED), (0.5, _CHECKED), (0.75, _CHECKED), (1.0, 4.0 * _BEFORE)]
+        rows = [np.flatnonzero(way > least) for _, least in shares]
+        tau = [
+            share * deviation[row] - (np.copysign(_BEFORE, deviation[row]) if share == 1.0 else 0.0)
+            for (share, _), row in zip(shares, rows, strict=True)
+        ]
+        row, along = np.concatenate(rows), np.concatenate(tau)
+        points = rays.origin[row] + along[:, None] * rays.direction[row]
+        cuts_in = inside[row]
+        other = np.empty(len(row), dtype=bool)
+        other[cuts_in] = ~self._reaches(points[cuts_in], -TRIM_TOLERANCE)
+        other[~cuts_in] = self._reaches(points[~cuts_in], TRIM_TOLERANCE)
+        return np.bincount(row[other], minlength=len(rays)) > 0
 
-def _least_distance(sources: Sequence[MotionSource], cutter: Profile, points: NDArray) -> NDArray:
-    return np.min([path_distance(source, cutter, points, floor=_CLEAR) for source in sources], axis=0)
+    def _reaches(self, points: NDArray, depth: float) -> NDArray:
+        """Whether some pose holds points deeper than ``depth`` [mm], shape (n,)."""
+        reached = np.zeros(len(points), dtype=bool)
+        for motion in self.motions:
+            left = np.flatnonzero(~reached)
+            reached[left] = motion.swept.least_distance(points[left], floor=-depth, enough=-depth) < -depth
+        return reached
 
 
 def _ahead(found: Crossings, inside: NDArray) -> NDArray:

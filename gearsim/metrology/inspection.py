@@ -121,6 +121,6 @@ def answer(questions: Sequence[Question], workshop: Workshop) -> list[Any]:
         if isinstance(q, Cut):
             answers.append(next(removed))
         else:
-            answers.append(machined_along(q.rays, q.variant.motions(), q.variant.cutter))
+            answers.append(machined_along(q.rays, q.variant.motions(), q.variant.cutter, workshop.device))
             workshop.progress(len(q.rays))
     return answers

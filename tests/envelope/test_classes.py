@@ -7,13 +7,14 @@ import pytest
 
 from gearsim.cutters.catalogue import apt, conical, face_mill_head
 from gearsim.envelope import machined_along
-from gearsim.envelope.candidates import Kind, all_candidates
-from gearsim.envelope.surface import arc_jet, envelope_points
-from gearsim.envelope.trim import path_distance
+from gearsim.envelope.candidates import Candidates, Kind
+from gearsim.envelope.surface import envelope_points
+from gearsim.envelope.swept import Swept
 from gearsim.geometry.rays import RayBundle
 from gearsim.motion.segments import compile_motion
 from gearsim.motion.sources import CLMotion
 from gearsim.simulation.removal import cut
+from tests.envelope.twins.charts import arc_jet
 from tests.motion.test_sources import random_cl
 
 UP = np.array([0.0, 0.0, 1.0])
@@ -80,7 +81,7 @@ def test_a_sharp_edge_sweeps_a_surface_of_its_own():
     y = np.linspace(-0.8, 2.6, 9)
     rays = rays_into(np.column_stack([np.full(9, 10.0), y, np.full(9, -2.0)]), np.tile(UP, (9, 1)), 1.0, 6.0)
     road = machined_along(rays, [source], FLAT)
-    lowest = path_distance(source, FLAT, rays.origin + road.deviation[:, None] * rays.direction)
+    lowest = Swept(source, FLAT).least_distance(rays.origin + road.deviation[:, None] * rays.direction)
     assert np.abs(lowest).max() < 1e-9
     turned = CLMotion(np.array([[0.0, 0, 0], [0.0, 20.0, 0]]), np.tile(axis, (2, 1)))
     x = np.linspace(-2.6, 2.6, 9)
@@ -116,7 +117,7 @@ def test_candidates_are_more_than_what_survives():
     """The far branch and the run past the window are candidates too; trimming chooses."""
     source = CLMotion(np.array([[0.0, 0, 0], [10.0, 0, 0]]), np.tile(UP, (2, 1)))
     rays = rays_into(np.array([[5.0, 3.5, 6.0]]), np.array([[0.0, -1.0, 0.0]]), 1.0, 8.0)
-    found = all_candidates(rays, source, BALL)
+    found = Candidates(Swept(source, BALL)).along(rays)
     assert np.allclose(np.unique(np.round(found.tau, 6)), [0.5, 6.5])
     assert machined_along(rays, [source], BALL).deviation[0] == pytest.approx(0.5, abs=1e-11)
 

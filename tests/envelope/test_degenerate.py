@@ -9,7 +9,7 @@ import pytest
 from gearsim.cutters.catalogue import apt, ball, conical, face_mill_head, grinding_wheel
 from gearsim.envelope import envelope_grid, machined_along
 from gearsim.envelope.candidates import Kind
-from gearsim.envelope.surface import arc_jet, disc_jet, envelope_points, line_jet
+from gearsim.envelope.surface import envelope_points
 from gearsim.errors import InputError
 from gearsim.geometry import series
 from gearsim.geometry.grazing import PoseJet, grazing_points
@@ -19,6 +19,7 @@ from gearsim.geometry.series import Series
 from gearsim.motion.segments import compile_motion
 from gearsim.motion.sources import CLMotion, CurveMotion
 from gearsim.simulation.removal import cut
+from tests.envelope.twins.charts import arc_jet, disc_jet, line_jet
 from tests.helpers import conical_distance
 
 UP = np.array([0.0, 0.0, 1.0])

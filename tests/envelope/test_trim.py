@@ -3,14 +3,15 @@ import pytest
 from scipy.optimize import minimize_scalar
 
 from gearsim.cutters.catalogue import flat
-from gearsim.envelope import trim
-from gearsim.envelope.trim import distance_rate, path_distance
+from gearsim.envelope import swept
+from gearsim.envelope.swept import Swept
 from gearsim.errors import NumericalError
 from gearsim.geometry import series
 from gearsim.geometry.pose import PoseSeries
 from gearsim.geometry.series import Series
 from gearsim.motion.sources import CLMotion, CurveMotion
 from tests.cutters.shapes import every_shape
+from tests.envelope.twins import trim
 from tests.simulation.test_removal import CUTTERS, random_path
 
 
@@ -21,7 +22,7 @@ def test_rate_is_the_derivative_of_the_distance(rng):
 
     def at(t):
         tip, axis = (s.derivatives() for s in source.pose(piece, t, 1))
-        return distance_rate(cutter, points, tip[0], axis[0], tip[1], axis[1])
+        return trim.distance_rate(cutter, points, tip[0], axis[0], tip[1], axis[1])
 
     difference = (at(t + h)[0] - at(t - h)[0]) / (2 * h)
     assert np.quantile(np.abs(difference - at(t)[1]), 0.95) < 1e-6
@@ -33,7 +34,7 @@ def test_least_distance_agrees_with_a_fine_scan(cutter, rng):
         source = random_path(rng)
         middle = source.tips.mean(axis=0) + 6.0 * source.axes[0]
         points = middle + rng.normal(size=(20, 3)) * 5.0
-        ours = path_distance(source, cutter, points)
+        ours = Swept(source, cutter).least_distance(points)
         for point, least in zip(points, ours, strict=True):
 
             def distance(x, point=point, source=source):
@@ -65,7 +66,7 @@ def test_points_of_the_swept_boundary_have_distance_zero(rng):
     u = np.cross(pose.axis.value, rng.normal(size=3))
     u /= np.linalg.norm(u, axis=1, keepdims=True)
     points = pose.tip.value + p.z[:, None] * pose.axis.value + p.r[:, None] * u
-    assert np.all(path_distance(source, cutter, points) <= 1e-12)
+    assert np.all(Swept(source, cutter).least_distance(points) <= 1e-12)
 
 
 def test_above_the_floor_a_distance_is_only_known_to_be_above():
@@ -74,8 +75,8 @@ def test_above_the_floor_a_distance_is_only_known_to_be_above():
     source = CLMotion(np.array([[0.0, 0.0, 0.0], [30.0, 0.0, 0.0]]), np.tile([0.0, 0.0, 1.0], (2, 1)))
     below = np.array([[10.0, 0.5, -0.3], [12.0, -0.7, -2.0]])
     beside = np.array([[15.0, 2.5, 5.0], [15.0, 1.0, 5.0]])
-    assert np.all(path_distance(source, cutter, below, floor=1e-6) > 1e-6)
-    assert path_distance(source, cutter, beside, floor=1.0) == pytest.approx([0.5, -1.0], abs=1e-9)
+    assert np.all(Swept(source, cutter).least_distance(below, floor=1e-6) > 1e-6)
+    assert Swept(source, cutter).least_distance(beside, floor=1.0) == pytest.approx([0.5, -1.0], abs=1e-9)
 
 
 def test_points_along_which_the_tool_slides_are_refused(monkeypatch):
@@ -87,7 +88,7 @@ def test_points_along_which_the_tool_slides_are_refused(monkeypatch):
         tip = series.stack([turn.real * 20.0, turn.imag * 20.0, t * 0.0])
         return PoseSeries(tip, series.stack([t * 0.0, t * 0.0, t * 0.0 + 1.0]))
 
-    monkeypatch.setattr(trim, "_MOST", 1000)
+    monkeypatch.setattr(swept, "_MOST_LOOKS", 1000)
     inside = 19.5 * np.array([[np.cos(0.25), np.sin(0.25), 0.0]])
     with pytest.raises(NumericalError, match="move the samples"):
-        path_distance(CurveMotion(curve, 0.0, 1.0), flat(4.0, 20.0), inside)
+        Swept(CurveMotion(curve, 0.0, 1.0), flat(4.0, 20.0)).least_distance(inside)

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from gearsim.cutters.catalogue import apt, conical
-from gearsim.envelope.trim import path_distance
+from gearsim.envelope.swept import Swept
 from gearsim.errors import InputError, NumericalError, Status
 from gearsim.geometry.rays import RayBundle
 from gearsim.motion.segments import SegmentTable, compile_motion
@@ -139,7 +139,7 @@ def test_torture_no_hit_is_lost_and_no_gap_spanned(device, seed):
             tau = np.concatenate([rng.uniform(-60, 60, 40), *(e + near for e in ends.ravel()), ends.mean(axis=1)])
             inside = ((tau[:, None] >= ends[:, 0]) & (tau[:, None] <= ends[:, 1])).any(axis=1)
             at = np.concatenate([tau, ends.ravel()])
-            distance = path_distance(source, cutter, rays.origin[i] + at[:, None] * rays.direction[i], 0.1)
+            distance = Swept(source, cutter).least_distance(rays.origin[i] + at[:, None] * rays.direction[i])
             assert np.all(distance[: len(tau)][~inside] > -1e-9)
             assert np.all(distance[: len(tau)][inside] < 1e-9)
             assert np.all(np.abs(distance[len(tau) :]) < 2e-9)

@@ -6,7 +6,7 @@ from math import radians, tan
 import numpy as np
 import pytest
 
-from gearsim.envelope.trim import path_distance
+from gearsim.envelope.swept import Swept
 from gearsim.errors import Status
 from gearsim.simulation import removal
 from gearsim.simulation.removal import cut
@@ -97,7 +97,7 @@ def test_torture_no_hit_is_lost_and_no_gap_spanned(device, name):
         def distance(along, source=source, rays=rays):
             ray = np.repeat(np.arange(len(rays)), [len(a) for a in along])
             points = rays.origin[ray] + np.concatenate(along)[:, None] * rays.direction[ray]
-            return path_distance(source, cutter, points, 0.1)
+            return Swept(source, cutter).least_distance(points)
 
         f, within = distance(tau), np.concatenate(inside)
         assert np.all(f[~within] > -1e-9)

@@ -1,12 +1,4 @@
-"""Trimming: how close a point comes to the cutter over a whole exact motion.
-
-The signed distance F(t) of a fixed point to a moving convex cutter is semi-convex: with K a bound on the
-second derivative of the point as the tool sees it, F(t + s) >= F + F' s - K s²/2. Stretches of the motion
-whose bound from both ends stays above the least distance found are dropped, the others halved. A tool with
-undercuts is the union of its convex parts. The distance to a ring with a convex section is convex in (r, z),
-and r grows by at most b²/2r over a step b across it: that adds V²/r to K, with V the fastest tool point's
-speed and r half the hole's radius. What is nearer to the axis is farther from the ring than that.
-"""
+"""How close points come to a cutter over a motion, from samples, in NumPy: the twin of kernels/approach.py."""
 
 from __future__ import annotations
 
