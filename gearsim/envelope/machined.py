@@ -49,6 +49,10 @@ class EnvelopeRoad:
         """The fields in order."""
         return [getattr(self, f) for f in self.__dataclass_fields__]
 
+    def part(self, rows: slice) -> EnvelopeRoad:
+        """The same of some rays."""
+        return EnvelopeRoad(*(column[rows] for column in self.columns()))
+
     def share(self) -> dict[str, float]:
         """Fraction of the rays in each class."""
         return {k.name.lower(): float(np.mean(self.kind == k)) for k in Kind}

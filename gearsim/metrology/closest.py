@@ -13,17 +13,19 @@ _STEPS = 20
 _SETTLED = 1e-12
 
 
-def signed_distance(grid: SampleGrid, points: NDArray) -> tuple[NDArray, NDArray, NDArray]:
+def signed_distance(
+    grid: SampleGrid, points: NDArray, within: float = np.inf
+) -> tuple[NDArray, NDArray, NDArray]:  # fmt: skip
     """Signed distance [mm] of points, shape (n, 3), to the grid's patch along its outward normal.
 
     Positive outside the intended material. Returns (distance, phi, v); nan where the foot point leaves
-    the grid's range. Newton's method on the squared distance, started from the nearest grid point.
+    the grid's range, and where the point is farther from the patch than ``within`` [mm] for certain. Newton's method
+    on the squared distance, started from the nearest grid point.
     """
     patch = grid.patch
-    flat = grid.point.reshape(-1, 3)
-    nearest = cKDTree(flat).query(points)[1]
-    phi, v = grid.phi.ravel()[nearest], grid.v.ravel()[nearest]
-    step, live = np.full(len(points), np.inf), np.arange(len(points))
+    apart, nearest = cKDTree(grid.point.reshape(-1, 3)).query(points, distance_upper_bound=within + _cell(grid))
+    phi, v = (np.append(c.ravel(), np.nan)[nearest] for c in (grid.phi, grid.v))
+    step, live = np.full(len(points), np.inf), np.flatnonzero(np.isfinite(apart))
     for _ in range(_STEPS):
         jet = patch.jet(phi[live], v[live])
         miss = jet.r - points[live]
@@ -39,10 +41,17 @@ def signed_distance(grid: SampleGrid, points: NDArray) -> tuple[NDArray, NDArray
         live = live[step[live] >= _SETTLED]
         if not len(live):
             break
-    jet = patch.jet(phi, v)
-    distance = _dot(points - jet.r, jet.normal)
-    inside = (step < 1e-9) & _between(phi, grid.phi) & _between(v, grid.v)
-    return np.where(inside, distance, np.nan), phi, v
+    done = np.flatnonzero((step < 1e-9) & _between(phi, grid.phi) & _between(v, grid.v))
+    distance = np.full(len(points), np.nan)
+    jet = patch.jet(phi[done], v[done])
+    distance[done] = _dot(points[done] - jet.r, jet.normal)
+    return distance, phi, v
+
+
+def _cell(grid: SampleGrid) -> float:
+    """More than how far [mm] a point of the patch inside the grid can be from the nearest grid point."""
+    steps = [np.linalg.norm(np.diff(grid.point, axis=axis), axis=-1) for axis in (0, 1)]
+    return sum(float(np.nanmax(s, initial=0.0)) for s in steps)
 
 
 def _pairs(jet: Jet) -> list[tuple[NDArray, NDArray]]:

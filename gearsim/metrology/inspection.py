@@ -9,10 +9,13 @@ from __future__ import annotations
 
 from collections.abc import Callable, Generator, Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import TYPE_CHECKING, Any, NamedTuple, Protocol, TypeVar
 
-from gearsim.envelope import machined_along
-from gearsim.geometry.rays import RayBundle
+import numpy as np
+
+from gearsim.envelope import EnvelopeRoad, machined_along
+from gearsim.geometry.rays import RayBundle, join_rays
 from gearsim.metrology.findings import Finding
 from gearsim.simulation.operation import Variant
 from gearsim.simulation.workshop import Workshop
@@ -116,11 +119,20 @@ def answer(questions: Sequence[Question], workshop: Workshop) -> list[Any]:
     """The answers to questions, in their order."""
     cuts = [(q.rays, q.variant.operations) for q in questions if isinstance(q, Cut)]
     removed = iter(workshop.cut(cuts) if cuts else [])
-    answers: list[Any] = []
-    for q in questions:
-        if isinstance(q, Cut):
-            answers.append(next(removed))
-        else:
-            answers.append(machined_along(q.rays, q.variant.motions(), q.variant.cutter, workshop.device))
-            workshop.progress(len(q.rays))
-    return answers
+    solved = iter(_solved([q for q in questions if isinstance(q, Solve)], workshop))
+    return [next(removed) if isinstance(q, Cut) else next(solved) for q in questions]
+
+
+def _solved(questions: Sequence[Solve], workshop: Workshop) -> list[EnvelopeRoad]:
+    """The envelope road's answers; questions about the same operation are solved as one."""
+    alike: dict[int, list[int]] = {}
+    for i, q in enumerate(questions):
+        alike.setdefault(id(q.variant.operations[0]), []).append(i)
+    found: dict[int, EnvelopeRoad] = {}
+    for members in alike.values():
+        rays, variant = join_rays([questions[i].rays for i in members]), questions[members[0]].variant
+        road = machined_along(rays, variant.motions(), variant.cutter, workshop.device)
+        ends = np.cumsum([0, *(len(questions[i].rays) for i in members)])
+        found |= {i: road.part(slice(a, b)) for i, (a, b) in zip(members, pairwise(ends), strict=True)}
+        workshop.progress(len(rays))
+    return [found[i] for i in range(len(questions))]
