@@ -2,7 +2,7 @@
 
 import warp as wp
 
-from gearsim.kernels.approach import distance_at, distance_rate
+from gearsim.kernels.approach import DEEP, FAR, Stretches, distance_at, distance_rate
 from gearsim.kernels.crossing import Rays
 from gearsim.kernels.exact_pose import ExactMotion, exact_pose
 from gearsim.kernels.meridian import Meridian, meridian_distance
@@ -12,40 +12,57 @@ f64 = wp.float64
 HALVINGS = wp.constant(40)
 GRAZES = wp.constant(f64(0.05))
 TINY = wp.constant(f64(1.0e-300))
-FAR = wp.constant(f64(1.0e300))
+STILL = wp.constant(f64(1.0e-10))
 
 wp.set_module_options({"enable_backward": False})
 
 
-@wp.struct
-class Samples:
-    """Poses of a motion: tip, axis, and where they are, ``piece`` and ``t``; they lie ``apart`` in t."""
-
-    tip: wp.array(dtype=wp.vec3d)
-    axis: wp.array(dtype=wp.vec3d)
-    piece: wp.array(dtype=wp.int32)
-    t: wp.array(dtype=f64)
-    apart: f64
-
-
 @wp.func
-def closest_sample(meridian: Meridian, samples: Samples, point: wp.vec3d) -> int:
-    """The sampled pose whose tool is closest to a point."""
+def closest_leaf(meridian: Meridian, stretches: Stretches, point: wp.vec3d) -> int:
+    """The stretch in whose middle the tool is closest to a point."""
+    node = wp.zeros(shape=(DEEP,), dtype=wp.int32)
+    bound = wp.zeros(shape=(DEEP,), dtype=f64)
+    leaves = stretches.piece.shape[0]
     nearest = int(0)
     least = FAR
-    for k in range(samples.piece.shape[0]):
-        distance = distance_at(meridian, point, samples.tip[k], samples.axis[k])
-        if distance < least:
-            least = distance
-            nearest = k
+    node[0] = 1
+    bound[0] = -FAR
+    top = int(1)
+    while top > 0:
+        top -= 1
+        i = node[top]
+        if bound[top] >= least:
+            continue
+        if i >= leaves:
+            distance = distance_at(meridian, point, stretches.tip[i], stretches.axis[i])
+            if distance < least:
+                least = distance
+                nearest = i - leaves
+            continue
+        near = int(2 * i)
+        far = near + 1
+        near_bound = distance_at(meridian, point, stretches.tip[near], stretches.axis[near]) - stretches.spread[near]
+        far_bound = distance_at(meridian, point, stretches.tip[far], stretches.axis[far]) - stretches.spread[far]
+        node[top] = far
+        bound[top] = far_bound
+        node[top + 1] = near
+        bound[top + 1] = near_bound
+        if far_bound < near_bound:  # the nearer one is looked at first
+            node[top] = near
+            bound[top] = near_bound
+            node[top + 1] = far
+            bound[top + 1] = far_bound
+        top += 2
     return nearest
 
 
 @wp.func
-def closest_moment(motion: ExactMotion, meridian: Meridian, point: wp.vec3d, piece: int, t: f64, apart: f64) -> f64:
-    """When on its piece, within ``apart`` of t, the tool comes closest to a point: where its approach ends."""
-    early = wp.max(t - apart, f64(0.0))
-    late = wp.min(t + apart, f64(1.0))
+def closest_moment(
+    motion: ExactMotion, meridian: Meridian, point: wp.vec3d, piece: int, middle_t: f64, apart: f64
+) -> f64:  # fmt: skip
+    """When on its piece, within ``apart`` of a moment, the tool comes closest to a point: where its approach ends."""
+    early = wp.max(middle_t - apart, f64(0.0))
+    late = wp.min(middle_t + apart, f64(1.0))
     for _ in range(HALVINGS):
         middle = f64(0.5) * (early + late)
         rate = distance_rate(meridian, point, exact_pose(motion, piece, middle))
@@ -74,34 +91,40 @@ def way_left(meridian: Meridian, point: wp.vec3d, direction: wp.vec3d, tip: wp.v
 def pursue(
     motion: ExactMotion,
     meridian: Meridian,
-    samples: Samples,
+    stretches: Stretches,
     rays: Rays,
     turns: int,
     # out
-    first_out: wp.array(dtype=wp.int32),
+    first_piece_out: wp.array(dtype=wp.int32),
+    first_t_out: wp.array(dtype=f64),
     piece_out: wp.array(dtype=wp.int32),
     t_out: wp.array(dtype=f64),
     tau_out: wp.array(dtype=f64),
 ):
-    """The sample closest to each ray's origin; the pose that holds the machined surface on it, and where [mm]."""
+    """Roughly the pose closest to each ray's origin; the one that holds the machined surface on it, and where [mm]."""
     i = wp.tid()
     origin = rays.origin[i]
     direction = rays.direction[i]
     tau = f64(0.0)
-    nearest = closest_sample(meridian, samples, origin)
-    first_out[i] = nearest
-    tip = samples.tip[nearest]
-    axis = samples.axis[nearest]
-    t = samples.t[nearest]
-    for _ in range(turns - 1):
-        tau += way_left(meridian, origin + tau * direction, direction, tip, axis)
-        tau = wp.clamp(tau, rays.start[i], rays.end[i])
+    leaf = closest_leaf(meridian, stretches, origin)
+    t = f64(0.5) * (stretches.start[leaf] + stretches.end[leaf])
+    first_piece_out[i] = stretches.piece[leaf]
+    first_t_out[i] = t
+    pose = exact_pose(motion, stretches.piece[leaf], t)
+    moved = f64(1.0)
+    turn = int(1)
+    while turn < turns and moved > STILL:
+        onward = tau + way_left(meridian, origin + tau * direction, direction, pose.tip, pose.axis)
+        onward = wp.clamp(onward, rays.start[i], rays.end[i])
+        moved = wp.abs(onward - tau)
+        tau = onward
         point = origin + tau * direction
-        nearest = closest_sample(meridian, samples, point)
-        t = closest_moment(motion, meridian, point, samples.piece[nearest], samples.t[nearest], samples.apart)
-        pose = exact_pose(motion, samples.piece[nearest], t)
-        tip = pose.tip
-        axis = pose.axis
-    piece_out[i] = samples.piece[nearest]
+        leaf = closest_leaf(meridian, stretches, point)
+        apart = stretches.end[leaf] - stretches.start[leaf]
+        middle = stretches.start[leaf] + f64(0.5) * apart
+        t = closest_moment(motion, meridian, point, stretches.piece[leaf], middle, apart)
+        pose = exact_pose(motion, stretches.piece[leaf], t)
+        turn += 1
+    piece_out[i] = stretches.piece[leaf]
     t_out[i] = t
     tau_out[i] = tau

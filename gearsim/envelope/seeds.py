@@ -16,7 +16,6 @@ from gearsim.envelope.swept import Chart, Guess, Swept
 from gearsim.geometry.rays import RayBundle
 
 _POSES = 192
-_PER_RAY = 4 * _POSES
 _PER_ELEMENT = 12
 _ANGLES = 24
 _ANGLE_SPACING = 2.0
@@ -131,13 +130,10 @@ class Seeds:
         is sought instead, and the ray's parameter moved by the distance left until none is. Returns the points, too,
         shape (2 n, 3).
         """
-        every = np.arange(len(rays))
-        sampled = spaced(self._swept.source.pieces, _PER_RAY)
-        first, piece, t, tau = self._swept.pursue(rays, sampled, _TURNS)
-        held = rays.origin + tau[:, None] * rays.direction
-        pieces, moments = np.concatenate([piece, sampled[0][first]]), np.concatenate([t, sampled[1][first]])
-        points = np.concatenate([held, rays.origin])
-        return _touched(self._swept, np.tile(every, 2), points, pieces, moments), points
+        first, holding, tau = self._swept.pursue(self._swept.rays(rays), _TURNS)
+        points = np.concatenate([rays.origin + tau[:, None] * rays.direction, rays.origin])
+        piece, t = (np.concatenate(pair) for pair in zip(holding, first, strict=True))
+        return _touched(self._swept, np.tile(np.arange(len(rays)), 2), points, piece, t), points
 
 
 def edge_seeds(swept: Swept, edges: Sequence[int], closest: Guess, points: NDArray) -> Guess:

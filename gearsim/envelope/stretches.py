@@ -33,13 +33,15 @@ class StretchTree:
     spread: NDArray[np.floating]
 
 
-def stretch_tree(source: MotionSource, cutter: Profile, spacing: float = SPACING) -> StretchTree:
-    """The stretches of a motion, on none of which a tool point moves more than about ``spacing`` [mm].
+def stretch_tree(
+    source: MotionSource, cutter: Profile, spacing: float = SPACING, least: int = 1
+) -> StretchTree:  # fmt: skip
+    """Stretches of a motion, ``least`` a piece or more, on none of which a tool point moves more than ``spacing`` [mm].
 
     The second derivative of a point, as the tool sees it, is bounded from samples of each piece, with a margin.
     """
     speed, curvature = _bounds(source, cutter)
-    count = np.maximum(1, np.ceil(speed / spacing).astype(int))
+    count = np.maximum(least, np.ceil(speed / spacing).astype(int))
     leaves = 1 << int(np.ceil(np.log2(count.sum())))
     which = np.minimum(np.arange(leaves), count.sum() - 1)
     piece = np.repeat(np.arange(source.pieces), count)[which]

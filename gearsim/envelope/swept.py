@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from enum import IntEnum
+from functools import cached_property
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -21,6 +22,7 @@ from gearsim.motion.sources import MotionSource
 
 _MOST_LOOKS = 1_000_000
 _SLOTS = 4
+_LEAST_POSES = 768
 
 
 class Chart(IntEnum):
@@ -126,18 +128,19 @@ class Swept:
         return point.numpy()
 
     def pursue(
-        self, rays: RayBundle, sampled: tuple[NDArray, NDArray], turns: int
-    ) -> tuple[NDArray, NDArray, NDArray, NDArray]:  # fmt: skip
-        """The sample (piece, t) closest to each ray's origin; piece, t and tau [mm] where the surface is held."""
-        tip, axis = (s.value for s in self.source.pose(*sampled, 0))
-        data = pursuit.Samples()
-        data.tip, data.axis = self._array(tip, wp.vec3d), self._array(axis, wp.vec3d)
-        data.piece, data.t = self._array(sampled[0], wp.int32), self._array(sampled[1], wp.float64)
-        data.apart = self.source.pieces / len(tip)
-        out = [self._empty(len(rays), kind) for kind in (wp.int32, wp.int32, wp.float64, wp.float64)]
-        self._launch(pursuit.pursue, len(rays), [self._motion, self._meridian, data, self.rays(rays), turns], out)
-        first, piece, t, tau = (c.numpy() for c in out)
-        return first, piece, t, tau
+        self, rays: crossing.Rays, turns: int
+    ) -> tuple[tuple[NDArray, NDArray], tuple[NDArray, NDArray], NDArray]:  # fmt: skip
+        """Roughly the pose (piece, t) closest to each ray's origin; the one that holds the surface; its tau [mm]."""
+        n = rays.start.shape[0]
+        out = [self._empty(n, kind) for kind in (wp.int32, wp.float64, wp.int32, wp.float64, wp.float64)]
+        self._launch(pursuit.pursue, n, [self._motion, self._meridian, self._close, rays, turns], out)
+        first_piece, first_t, piece, t, tau = (c.numpy() for c in out)
+        return (first_piece, first_t), (piece, t), tau
+
+    @cached_property
+    def _close(self) -> approach.Stretches:
+        """Stretches of the whole tool, close enough to follow a contact that races around it."""
+        return _stretch_data(self.source, self.cutter, self.device, -(-_LEAST_POSES // self.source.pieces))
 
     def standing(self, rays: crossing.Rays, ray: NDArray, joint: NDArray) -> Standing:
         """Crossings of rays with the tool standing at joints; joint i is where piece i begins."""
@@ -206,8 +209,8 @@ def _meridian_data(cutter: Profile, device: str) -> Meridian:
     return data
 
 
-def _stretch_data(source: MotionSource, part: Profile, device: str) -> approach.Stretches:
-    tree = stretch_tree(source, part)
+def _stretch_data(source: MotionSource, part: Profile, device: str, least: int = 1) -> approach.Stretches:
+    tree = stretch_tree(source, part, least=least)
     data = approach.Stretches()
     data.tip, data.axis = (wp.array(c, dtype=wp.vec3d, device=device) for c in (tree.tip, tree.axis))
     data.piece = wp.array(tree.piece, dtype=wp.int32, device=device)
