@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-from enum import IntEnum
-from typing import NamedTuple
-
 import numpy as np
 from numpy.typing import NDArray
 
 from gearsim.cutters.element import Element
 from gearsim.cutters.profile import Profile
+from gearsim.envelope.crossings import Crossings, Kind, together
 from gearsim.envelope.seeds import Seeds, distinct, edge_seeds, joined, standing_tools, with_neighbours
 from gearsim.envelope.swept import Chart, Guess, Solved, Swept
 from gearsim.geometry.rays import RayBundle
@@ -21,32 +19,6 @@ _BEYOND = 0.5
 _JOINT_SLACK = 1e-3
 _EDGE_SLACK = 1e-9
 _WIDE = 8.0
-
-
-class Kind(IntEnum):
-    """The closed-form classes of the machined surface."""
-
-    ENVELOPE = 1
-    JOINT = 2
-    PATH_END = 3
-    EDGE = 4
-
-
-class Crossings(NamedTuple):
-    """Candidate crossings, each field of shape (n,): ray index, parameter [mm], class, piece and t.
-
-    ``element``, ``s`` [mm] and ``branch`` locate an ENVELOPE point on the profile; they are -1, nan and 0
-    for the other classes.
-    """
-
-    ray: NDArray
-    tau: NDArray
-    kind: NDArray
-    piece: NDArray
-    t: NDArray
-    element: NDArray
-    s: NDArray
-    branch: NDArray
 
 
 class Candidates:
@@ -146,12 +118,6 @@ class Candidates:
             np.where(last, joint - 1, joint), np.where(last, 1.0, 0.0),
             np.full(n, -1), np.full(n, np.nan), np.zeros(n),
         )  # fmt: skip
-
-
-def together(parts: list[Crossings]) -> Crossings:
-    """Crossings one after the other."""
-    none = Crossings(*(np.empty(0, dtype=k) for k in (int, float, int, int, float, int, float, float)))
-    return Crossings(*(np.concatenate(column) for column in zip(none, *parts, strict=True)))
 
 
 def _circles(cutter: Profile, thorough: bool) -> tuple[int, ...]:

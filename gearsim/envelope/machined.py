@@ -7,15 +7,18 @@ from collections.abc import Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from itertools import pairwise
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
 from gearsim.cutters.profile import Profile
-from gearsim.envelope.candidates import Candidates, Crossings, Kind, together
-from gearsim.envelope.swept import Swept
+from gearsim.envelope.crossings import Crossings, Kind, together
 from gearsim.geometry.rays import RayBundle
 from gearsim.motion.sources import MotionSource
+
+if TYPE_CHECKING:
+    from gearsim.envelope.candidates import Candidates
 
 TRIM_TOLERANCE = 1e-9
 _CHECKED = 1e-3
@@ -70,6 +73,9 @@ def machined_along(
     """
     if not len(rays):
         return _road(0, together([]), np.empty(0, dtype=int))
+    from gearsim.envelope.candidates import Candidates  # Warp loads with them: who only draws results can do without
+    from gearsim.envelope.swept import Swept
+
     cut = Cut([Candidates(Swept(source, cutter, device)) for source in sources])
     cores = (os.cpu_count() or 1) if device == "cpu" and len(rays) >= _SLICED else 1
     ends = np.linspace(0, len(rays), cores + 1).astype(int)

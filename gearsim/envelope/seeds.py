@@ -8,9 +8,9 @@ from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.spatial import cKDTree
 
 from gearsim.cutters.profile import Profile
+from gearsim.envelope.nearby import PointCloud
 from gearsim.envelope.surface import BRANCHES, envelope_grid, radial_axes
 from gearsim.envelope.swept import Chart, Guess, Swept
 from gearsim.geometry.rays import RayBundle
@@ -53,10 +53,10 @@ class Seeds:
         self._swept = swept
 
     @cached_property
-    def _envelope(self) -> list[tuple[cKDTree, Guess]]:
+    def _envelope(self) -> list[tuple[NDArray, PointCloud, Guess]]:
         """For every profile element and branch its grazing points, and where they are."""
         source, cutter = self._swept.source, self._swept.cutter
-        grid = envelope_grid(source, cutter, _POSES, _PER_ELEMENT)
+        grid = envelope_grid(source, cutter, _POSES, _PER_ELEMENT, self._swept.device)
         found = []
         for i in range(len(cutter.elements)):
             columns = np.flatnonzero(grid.element == i)
@@ -66,14 +66,17 @@ class Seeds:
                 if len(pose):
                     n = len(pose)
                     places = grid.piece[pose], grid.t[pose], np.full(n, i), grid.s[column], np.full(n, branch)
-                    found.append((cKDTree(grid.point[pose, column, k]), Guess(np.arange(n), *places)))
+                    points = grid.point[pose, column, k]
+                    found.append((points, PointCloud(points, self._swept.device), Guess(np.arange(n), *places)))
         return found
 
     def envelope(self, rays: RayBundle, thorough: bool) -> Guess:
         """The nearest envelope point of every profile element and branch to each probe."""
         slack = max(_SLACK, max(e.length for e in self._swept.cutter.elements) / _PER_ELEMENT)
         where = probes(rays, thorough, slack)
-        return joined([_nearest(where, tree, places) for tree, places in self._envelope])
+        if thorough:
+            return joined([_several(where, points, places) for points, _, places in self._envelope])
+        return joined([_nearest(where, cloud, places) for _, cloud, places in self._envelope])
 
     @cached_property
     def _poses(self) -> tuple[NDArray, NDArray, NDArray, NDArray]:
@@ -86,24 +89,12 @@ class Seeds:
         """For each of the circles that end elements the nearest of its sampled poses to each ray's origin."""
         piece, t, tip, axis = self._poses
         where = probes(rays, False, max(_SLACK, 0.5 * _ANGLE_SPACING))
-        found = []
-        step = max(1, _CHUNK // len(t))
-        for begin in range(0, len(rays), step):
-            near = slice(begin, begin + step)
-            q = where.point[near]
-            z = q @ axis.T - np.einsum("ij,ij->i", tip, axis)
-            square = np.einsum("ij,ij->i", q, q)[:, None] - 2.0 * q @ tip.T + np.einsum("ij,ij->i", tip, tip)
-            r = np.sqrt(np.maximum(square - z * z, 0.0))
-            for e in elements:
-                end = self._swept.cutter.elements[e].end
-                apart = (r - end[0]) ** 2 + (z - end[1]) ** 2
-                pose = apart.argmin(axis=1)
-                row = np.flatnonzero(apart[np.arange(len(q)), pose] <= where.reach[near] ** 2)
-                pose = pose[row]
-                angle = _facing(q[row] - tip[pose], axis[pose])
-                label, none = np.full(len(row), e), np.zeros(len(row))
-                found.append(Guess(begin + row, piece[pose], t[pose], label, angle, none))
-        return joined(found)
+        ends = np.array([self._swept.cutter.elements[e].end for e in elements])
+        nearest = self._swept.nearest_circles((tip, axis), ends, where.point, where.reach)
+        row, circle = np.nonzero(nearest >= 0)
+        pose = nearest[row, circle]
+        angle = _facing(where.point[row] - tip[pose], axis[pose])
+        return Guess(row, piece[pose], t[pose], np.array(elements)[circle], angle, np.zeros(len(row)))
 
     def angles(self, rays: RayBundle, chart: Chart, elements: Sequence[int]) -> Guess:
         """The nearest points of surfaces over (t, angle about the axis), one an element, to probes in the windows."""
@@ -118,7 +109,7 @@ class Seeds:
             points = self._swept.points(chart, every)
             exists = np.flatnonzero(np.isfinite(points[:, 0]))
             if len(exists):
-                guesses.append(_nearest(where, cKDTree(points[exists]), Guess(*(c[exists] for c in every))))
+                guesses.append(_several(where, points[exists], Guess(*(c[exists] for c in every))))
         return joined(guesses)
 
     def closest(self, rays: RayBundle) -> tuple[Guess, NDArray]:
@@ -219,10 +210,19 @@ def _angle_count(cutter: Profile) -> int:
     return max(_ANGLES, int(np.ceil(2.0 * np.pi * cutter.max_radius / _ANGLE_SPACING)))
 
 
-def _nearest(where: Probes, tree: cKDTree, places: Guess) -> Guess:
-    """For each probe the nearest points within its reach; several where a ray has several probes."""
-    k = _SEVERAL if len(np.unique(where.ray)) < len(where.ray) else 1
-    distance, index = tree.query(where.point, k=min(k, tree.n))
+def _nearest(where: Probes, cloud: PointCloud, places: Guess) -> Guess:
+    """For each probe the nearest point within its reach."""
+    nearest = cloud.nearest(where.point, where.reach)
+    near = np.flatnonzero(nearest >= 0)
+    return Guess(where.ray[near], *(c[nearest[near]] for c in places[1:]))
+
+
+def _several(where: Probes, points: NDArray, places: Guess) -> Guess:
+    """For each probe the nearest few points within its reach."""
+    from scipy.spatial import cKDTree  # slow to load, and seldom needed
+
+    tree = cKDTree(points)
+    distance, index = tree.query(where.point, k=min(_SEVERAL, tree.n))
     near, column = np.nonzero(distance.reshape(len(where.point), -1) <= where.reach[:, None])
     point = index.reshape(len(where.point), -1)[near, column]
     return Guess(where.ray[near], *(c[point] for c in places[1:]))

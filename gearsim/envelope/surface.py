@@ -53,13 +53,14 @@ class EnvelopeGrid(NamedTuple):
 
 
 def prepare_envelope(device: str = "cpu") -> float:
-    """Compile and load the envelope's kernel ahead of use; seconds taken."""
+    """Compile and load the envelope road's kernels ahead of use; seconds taken."""
     import warp as wp
 
-    from gearsim.kernels import envelope as kernels
+    from gearsim.kernels import approach, crossing, envelope, nearby, pursuit
 
     started = perf_counter()
-    wp.load_module(kernels, device=device)
+    for module in (approach, crossing, pursuit, nearby, envelope):
+        wp.load_module(module, device=device)
     return perf_counter() - started
 
 

@@ -15,7 +15,7 @@ from gearsim.envelope.poses import pose_table
 from gearsim.envelope.stretches import stretch_tree
 from gearsim.errors import NumericalError
 from gearsim.geometry.rays import RayBundle
-from gearsim.kernels import approach, charts, crossing, pursuit
+from gearsim.kernels import approach, charts, crossing, nearby, pursuit
 from gearsim.kernels.exact_pose import ExactMotion
 from gearsim.kernels.meridian import Meridian
 from gearsim.motion.sources import MotionSource
@@ -142,6 +142,17 @@ class Swept:
         """Stretches of the whole tool, close enough to follow a contact that races around it."""
         return _stretch_data(self.source, self.cutter, self.device, -(-_LEAST_POSES // self.source.pieces))
 
+    def nearest_circles(
+        self, poses: tuple[NDArray, NDArray], circles: NDArray, points: NDArray, reach: NDArray
+    ) -> NDArray[np.integer]:
+        """For each point and circle (r, z) of the tool the pose that brings it nearest; -1 beyond ``reach`` [mm]."""
+        found = wp.empty((len(points), len(circles)), dtype=wp.int32, device=self.device)
+        tip, axis, at = (self._array(c, wp.vec3d) for c in (*poses, points))
+        r, z, far = (self._array(c, wp.float64) for c in (circles[:, 0], circles[:, 1], reach))
+        self._launch(nearby.nearest_circles, found.shape, [tip, axis, r, z, at, far], [found])
+        nearest: NDArray[np.integer] = found.numpy()
+        return nearest
+
     def standing(self, rays: crossing.Rays, ray: NDArray, joint: NDArray) -> Standing:
         """Crossings of rays with the tool standing at joints; joint i is where piece i begins."""
         n, slots = len(ray), _SLOTS * len(self.cutter.parts)
@@ -170,8 +181,8 @@ class Swept:
     def _empty(self, n: int, kind: Any) -> wp.array:
         return wp.empty(n, dtype=kind, device=self.device)
 
-    def _launch(self, kernel: Any, n: int, inputs: list[Any], outputs: list[Any]) -> None:
-        if n:
+    def _launch(self, kernel: Any, n: int | tuple[int, ...], inputs: list[Any], outputs: list[Any]) -> None:
+        if np.prod(n):
             wp.launch(kernel, n, inputs=inputs, outputs=outputs, device=self.device)
 
 

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.spatial import cKDTree
 
 from gearsim.metrology.samples import SampleGrid
 from gearsim.surfaces.patch import Jet
@@ -22,10 +21,12 @@ def signed_distance(
     the grid's range, and where the point is farther from the patch than ``within`` [mm] for certain. Newton's method
     on the squared distance, started from the nearest grid point.
     """
+    from gearsim.envelope.nearby import PointCloud
+
     patch = grid.patch
-    apart, nearest = cKDTree(grid.point.reshape(-1, 3)).query(points, distance_upper_bound=within + _cell(grid))
+    nearest = PointCloud(grid.point.reshape(-1, 3)).nearest(points, np.full(len(points), within + _cell(grid)))
     phi, v = (np.append(c.ravel(), np.nan)[nearest] for c in (grid.phi, grid.v))
-    step, live = np.full(len(points), np.inf), np.flatnonzero(np.isfinite(apart))
+    step, live = np.full(len(points), np.inf), np.flatnonzero(nearest >= 0)
     for _ in range(_STEPS):
         jet = patch.jet(phi[live], v[live])
         miss = jet.r - points[live]

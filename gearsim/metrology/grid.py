@@ -10,7 +10,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gearsim.envelope import TRIM_TOLERANCE
-from gearsim.envelope.swept import Swept
 from gearsim.geometry.rays import RayBundle
 from gearsim.metrology.convergence import Convergence, ConvergenceMeasurement, Series
 from gearsim.metrology.deviation import Crossing, Deviation, measure
@@ -204,6 +203,8 @@ class GridInspection:
 
 def least_distance(variant: Variant, points: NDArray) -> NDArray:
     """Least signed distance [mm] of points, shape (n, 3), to the variant's cutter over its motions."""
+    from gearsim.envelope.swept import Swept
+
     return np.min([Swept(source, variant.cutter).least_distance(points) for source in variant.motions()], axis=0)
 
 

@@ -18,10 +18,10 @@ from gearsim.envelope import EnvelopeRoad, machined_along
 from gearsim.geometry.rays import RayBundle, join_rays
 from gearsim.metrology.findings import Finding
 from gearsim.simulation.operation import Variant
-from gearsim.simulation.workshop import Workshop
 
 if TYPE_CHECKING:
     from gearsim.metrology.job import Job
+    from gearsim.simulation.workshop import Workshop
 
 T = TypeVar("T")
 

@@ -12,7 +12,7 @@ from rich.console import Console
 from rich.table import Table
 
 from gearsim.envelope import envelope_points
-from gearsim.envelope.candidates import Kind
+from gearsim.envelope.crossings import Kind
 from gearsim.metrology.deviation import Crossing
 from gearsim.metrology.grid import COARSE, DENSE, GridMeasurement
 from gearsim.metrology.topography import Topography

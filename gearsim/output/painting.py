@@ -103,12 +103,15 @@ Paint = Callable[[Result, Path, tuple[str, ...], Callable[[dict[str, str]], None
 
 
 def _flat() -> Paint:
-    from gearsim.output.charts import chart_all
+    from gearsim.output.charts import chart_all, pyplot
 
+    pyplot()
     return chart_all
 
 
 def _solid() -> Paint:
+    import pyvista.plotting  # noqa: F401 - loaded on demand otherwise, when the result is waiting
+
     from gearsim.output.drawer import draw_all
 
     return draw_all

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from concurrent.futures import ThreadPoolExecutor
 from importlib import import_module
 from pathlib import Path
 from time import perf_counter
@@ -84,6 +85,17 @@ def run(
     return run_job(job, device=device, progress=progress, planned_s=perf_counter() - started)
 
 
+def _prepare(device: str) -> float:
+    """Compile and load the kernels of both roads side by side; seconds taken."""
+    started = perf_counter()
+    open_device(device)
+    with ThreadPoolExecutor(2) as pool:
+        both = [pool.submit(make, device) for make in (prepare, prepare_envelope)]
+        for made in both:
+            made.result()
+    return perf_counter() - started
+
+
 def run_job(
     job: Job, *, device: str = "cpu", progress: Progress | None = None, planned_s: float = 0.0
 ) -> Result:  # fmt: skip
@@ -91,7 +103,7 @@ def run_job(
     started = perf_counter()
     progress = progress or _Silent()
     progress.stage("compiling kernels", 0)
-    compile_s = prepare(device) + prepare_envelope()
+    compile_s = _prepare(device)
     workshop = Workshop(device, job.settings.tolerance_mm, job.settings.interval_slots, progress.advance)
     progress.stage("cutting and measuring", 0)
     planned_rays = 0
@@ -139,8 +151,7 @@ def study(
             known = ", ".join(dict.fromkeys(v.name for v in job.variants))
             raise InputError(f"change {name!r}: the job has no variant {unknown[0]!r}; there are {known}")
     jobs = {"": job, **{name: job.under(dict(variants)) for name, variants in changes.items()}}
-    prepare(device)
-    prepare_envelope()
+    _prepare(device)
     workshop = Workshop(device, job.settings.tolerance_mm, job.settings.interval_slots, progress.advance)
     steps = together([changed.steps() for changed in jobs.values()])
     found = perform(steps, workshop, lambda asked: progress.stage("cutting and measuring", sum(counted(asked))))

@@ -7,7 +7,8 @@ import pytest
 
 from gearsim.cutters.catalogue import apt, conical, face_mill_head
 from gearsim.envelope import machined_along
-from gearsim.envelope.candidates import Candidates, Kind
+from gearsim.envelope.candidates import Candidates
+from gearsim.envelope.crossings import Kind
 from gearsim.envelope.surface import envelope_points
 from gearsim.envelope.swept import Swept
 from gearsim.geometry.rays import RayBundle

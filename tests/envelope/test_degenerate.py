@@ -8,7 +8,7 @@ import pytest
 
 from gearsim.cutters.catalogue import apt, ball, conical, face_mill_head, grinding_wheel
 from gearsim.envelope import envelope_grid, machined_along
-from gearsim.envelope.candidates import Kind
+from gearsim.envelope.crossings import Kind
 from gearsim.envelope.surface import envelope_points
 from gearsim.errors import InputError
 from gearsim.geometry import series
