@@ -13,6 +13,7 @@ LONGEST_STEP = wp.constant(f64(1.0))
 CONVERGED = wp.constant(f64(1.0e-9))
 SETTLED = wp.constant(f64(1.0e-11))
 ROUNDING = wp.constant(f64(1.0e-15))
+GIVES_UP = wp.constant(4)
 TINY = wp.constant(f64(1.0e-300))
 PROBES = wp.constant(48)
 SHORTEST = wp.constant(f64(1.0e-6))  # a chord no longer than this [mm] lies less than 1e-12 mm deep in a tool
@@ -108,7 +109,7 @@ def solve_places(
     """Carry places of a chart onto their rays: places, arc lengths, branches, tau [mm], and which ones settled.
 
     A step to where no point exists is taken back by halves: solutions can lie close to the surface's end. With
-    ``pieces`` > 0 a place that runs off its piece goes on in the next one; with 0 it stays.
+    ``pieces`` > 0 a place that runs off its piece goes on in the next one; with 0 it stays, and gives up after a while.
     """
     i = wp.tid()
     origin = rays.origin[ray[i]]
@@ -123,6 +124,7 @@ def solve_places(
     where.branch = branch[i]
     last_t = f64(0.0)
     last_place = f64(0.0)
+    held = int(0)  # how often running the place was held at the end of what is known of its piece
     searching = int(1)
     for _ in range(steps):
         if searching == 1:
@@ -146,7 +148,8 @@ def solve_places(
                 where.piece += onward
                 after -= f64(onward)
             where.t = wp.clamp(after, -BEYOND, f64(1.0) + BEYOND)
-            if step.miss <= CONVERGED:
+            held = wp.where(where.t == after, 0, held + 1)
+            if step.miss <= CONVERGED or held == GIVES_UP:
                 searching = 0
     at = chart_point(chart, motion, meridian, where)
     step = newton_step(at, origin, e1, e2)

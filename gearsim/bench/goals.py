@@ -19,11 +19,16 @@ from gearsim.bench.workloads import (
     normals,
     pass_over_dexels,
 )
+from gearsim.cutters.profile import Profile
+from gearsim.envelope import machined_along, prepare_envelope
 from gearsim.metrology.deviation import measure
+from gearsim.motion.sources import MotionSource
 from gearsim.simulation.removal import cut, prepare
 
 TOLERANCE, FINE = 1e-6, 1e-9
 SAMPLES = (65, 513)
+ENVELOPE_SAMPLES = (21, 257)
+ENVELOPE_GOALS = {"continuous": 39.8, "CL data": 26.3}  # 25 times what NumPy did: 1,590 and 1,050 samples/s
 BLOCK_SHARE = {"small": 0.04, "large": 1.0}
 BLOCK_REPEATS = {"small": 2, "large": 1}
 _COLUMNS = ("figure", "measured", "spread", "goal", "met")
@@ -32,7 +37,9 @@ _COLUMNS = ("figure", "measured", "spread", "goal", "met")
 def goals(device: str, size: str) -> dict[str, Any]:
     """Goals of speed, each with what this machine does now and whether that is enough."""
     prepare(device)
+    prepare_envelope(device)
     rows = [*_candidate_rows(device), _dexel_row(device), _block_row(device, size), _deviation_row(device)]
+    rows += _envelope_rows(device)
     return {"columns": list(_COLUMNS), "rows": rows, "notes": _notes(device)}
 
 
@@ -103,6 +110,23 @@ def _deviation_row(device: str) -> dict[str, Any]:
 
     times = _timed(work, process_time if device == "cpu" else perf_counter)
     return _figure_of("M deviation samples/s, one core", 1e-6 * len(case.rays), times, 0.5)
+
+
+def _envelope_rows(device: str) -> list[dict[str, Any]]:
+    """Samples along which the envelope road finds the machined surface, seeds, classes and trims included."""
+    rays, rows = normals(*ENVELOPE_SAMPLES), []
+    for name, operation in (("continuous", flank_job().theory_pass), ("CL data", flank_job().cl_pass)):
+        motions = operation.motions()
+
+        def work(motions: list[MotionSource] = motions, cutter: Profile = operation.cutter) -> None:
+            machined_along(rays, motions, cutter, device)
+
+        work()
+        times = _timed(work, process_time if device == "cpu" else perf_counter)
+        rows.append(
+            _figure_of(f"k envelope samples/s, one core: {name}", 1e-3 * len(rays), times, ENVELOPE_GOALS[name])
+        )
+    return rows
 
 
 def _timed(work: Callable[[], None], clock: Callable[[], float]) -> Times:

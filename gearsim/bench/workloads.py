@@ -20,6 +20,7 @@ from gearsim.motion.sources import CLMotion
 from gearsim.processes.run import plan
 from gearsim.scene import FlankMillingScene, load_scene
 from gearsim.simulation.dexels import DexelBox
+from gearsim.simulation.operation import Operation
 from gearsim.simulation.removal import Job
 from gearsim.surfaces.patch import Tooth
 
@@ -44,12 +45,17 @@ class Case(NamedTuple):
 
 
 class FlankWork(NamedTuple):
-    """The README's job: its tooth and cutter, the convex flank's continuous pass and the whole program."""
+    """The README's job: its tooth and cutter, the convex flank's continuous pass and the whole program.
+
+    The convex flank's own pass stands as two operations: continuous and by its CL data.
+    """
 
     tooth: Tooth
     cutter: Profile
     theory: SegmentTable
     program: SegmentTable
+    theory_pass: Operation
+    cl_pass: Operation
 
 
 @cache
@@ -58,8 +64,8 @@ def flank_job() -> FlankWork:
     scene, folder = load_scene("spiral-bevel-flank")
     assert isinstance(scene, FlankMillingScene)
     job = plan(scene, folder)
-    theory, program = (job.variant(name, "convex").operations[0] for name in ("theory", "program"))
-    return FlankWork(scene.tooth(), program.cutter, theory.table, program.table)
+    theory, own, program = (job.variant(n, "convex").operations[0] for n in ("theory", "own pass", "program"))
+    return FlankWork(scene.tooth(), program.cutter, theory.table, program.table, theory, own)
 
 
 def normals(rows: int, columns: int) -> RayBundle:

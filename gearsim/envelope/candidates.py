@@ -106,7 +106,7 @@ class Candidates:
     def _poses(self, loaded: Rays, near: tuple[NDArray, NDArray]) -> Crossings:
         """JOINT and PATH_END crossings at the given (ray, joint) pairs; joint i is where piece i begins."""
         pieces = self.swept.source.pieces
-        ray, joint = np.unique(np.stack(near), axis=1)
+        ray, joint = np.divmod(np.unique(near[0].astype(np.int64) * (pieces + 1) + near[1]), pieces + 1)
         standing = self.swept.standing(loaded, ray, joint)
         ray, joint = ray[standing.pair], joint[standing.pair]
         first, last = joint == 0, joint == pieces

@@ -148,7 +148,11 @@ def distinct(guess: Guess, fine: bool, scale: float = 1.0) -> Guess:
     columns = [guess.ray, guess.piece, guess.element, guess.branch.astype(int)]
     if fine:
         columns.append(np.round(2.0 * scale * guess.place).astype(int))
-    _, first = np.unique(np.stack(columns), axis=1, return_index=True)
+    key = np.zeros(len(guess.ray), dtype=np.int64)
+    for column in columns:
+        low, high = (int(f(initial=0)) for f in (column.min, column.max))
+        key = key * (high - low + 1) + (column - low)
+    _, first = np.unique(key, return_index=True)
     return Guess(*(c[first] for c in guess))
 
 

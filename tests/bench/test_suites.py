@@ -33,6 +33,7 @@ def tiny(monkeypatch):
         monkeypatch.setattr(module, "ceiling", lambda device: ceiling.Ceiling(1e10, 1e10))
     monkeypatch.setattr(goals, "flank_cases", lambda: [case])
     monkeypatch.setattr(goals, "SAMPLES", (3, 7))
+    monkeypatch.setattr(goals, "ENVELOPE_SAMPLES", (3, 7))
     monkeypatch.setattr(goals, "BLOCK_SHARE", {"small": 1e-4})
     monkeypatch.setattr(goals, "pass_over_dexels", lambda: case)
     monkeypatch.setattr(scaling, "RAYS", few)

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from gearsim.envelope.nearby import PointCloud
 from gearsim.envelope.surface import envelope_points
 from gearsim.envelope.swept import Chart, Guess, Swept
 from gearsim.geometry.rays import RayBundle
@@ -107,3 +108,38 @@ def test_crossings_of_the_tool_at_rest_agree(cutter, rng, device):
     assert apart.max() < 1e-10
     assert len(tau) <= len(ours.tau) < len(tau) + 8  # the twin looks less closely for the shortest chords
     assert len(tau) > 20
+
+
+@pytest.mark.parametrize("count", [0, 1, 23, 24, 25, 700])
+def test_the_nearest_of_a_cloud_is_that_of_a_search_through_all(count, rng, device):
+    cloud = np.cumsum(rng.normal(size=(count, 3)), axis=0)
+    points, reach = 4.0 * rng.normal(size=(300, 3)), rng.uniform(0.0, 8.0, 300)
+    nearest = PointCloud(cloud, device).nearest(points, reach)
+    if not count:
+        assert np.all(nearest == -1)
+        return
+    apart = np.linalg.norm(points[:, None] - cloud, axis=2)
+    expected = np.where(apart.min(axis=1) < reach, apart.argmin(axis=1), -1)
+    assert np.array_equal(nearest, expected)
+
+
+def test_a_point_of_the_cloud_itself_is_found_and_equal_ones_count_once(device):
+    cloud = PointCloud(np.zeros((60, 3)), device)
+    assert cloud.nearest(np.zeros((2, 3)), np.array([1e-12, 1.0])).tolist() == [0, 0]
+
+
+def test_the_nearest_poses_of_circles_are_those_of_a_search_through_all(rng, device):
+    cutter = CUTTERS[0]
+    source = random_path(rng)
+    piece, t = rng.integers(0, source.pieces, 90), rng.uniform(0, 1, 90)
+    tip, axis = (s.value for s in source.pose(piece, t, 0))
+    circles = np.array([[1.0, 0.0], [3.0, 2.0], [0.0, 5.0]])
+    points = source.tips.mean(axis=0) + 5.0 * rng.normal(size=(200, 3))
+    reach = np.full(200, 6.0)
+    q = points[:, None] - tip
+    z = np.einsum("ijk,jk->ij", q, axis)
+    r = np.linalg.norm(q - z[..., None] * axis, axis=2)
+    apart = np.hypot(r[..., None] - circles[:, 0], z[..., None] - circles[:, 1])
+    expected = np.where(apart.min(axis=1) <= reach[:, None], apart.argmin(axis=1), -1)
+    found = Swept(source, cutter, device).nearest_circles((tip, axis), circles, points, reach)
+    assert np.array_equal(found, expected)
