@@ -16,6 +16,7 @@ LOST, SPANNED, END = "lost hit", "spanned gap", "wrong end"
 # What lies no deeper than this many times the noise is looked at in 40 digits before it counts.
 _NEAR = 8.0
 _DEEP = 1e-10
+_SEEN, _HALVINGS = 4.0, 12  # tolerances that a gap is followed either way, and to which part of them
 
 
 @dataclass(frozen=True)
@@ -47,6 +48,10 @@ def defects(tried: Tried, tolerance: float) -> list[Defect]:
             kind, length = _kind(tried, int(ray), tolerance)
             names = case.tool, case.motion, str(case.ray_kind[ray])
             is_deep = HIT in (deep.lost[k], deep.spanned[k])
+            if kind == SPANNED and not is_deep:
+                length = min(length, _gap(tried, int(ray), tolerance))
+                if length <= tolerance:  # where all but touching, noise made it look longer
+                    continue
             found.append(Defect(kind, length, is_deep, case.seed, int(ray), names))
     return found
 
@@ -84,6 +89,23 @@ def _kind(tried: Tried, ray: int, tolerance: float) -> tuple[str, float]:
     at_start, at_end = np.abs(lo + tolerance - start) <= touch, np.abs(hi - tolerance - end) <= touch
     joins = (at_start | at_end) & ~(at_start & at_end)
     return (END if joins.any() else SPANNED), float(end - start + tolerance)
+
+
+def _gap(tried: Tried, ray: int, tolerance: float) -> float:
+    """Length [mm] of the gap that holds the spanned piece, by 40 digits; no more than some tolerances of it are seen."""
+    case, start = tried.case, float(tried.judgement.spanned_from[ray])
+    line = case.rays.origin[ray], case.rays.direction[ray]
+    length = 0.0
+    for way in (-1.0, 1.0):
+        free, held = 0.0, _SEEN * tolerance
+        for _ in range(_HALVINGS):
+            middle = 0.5 * (free + held)
+            if exact.least_distance(case.cutter, case.table, *line, start + way * middle) > 0:
+                free = middle
+            else:
+                held = middle
+        length += free
+    return length
 
 
 def _confirmed(tried: Tried, ray: int) -> bool:

@@ -16,10 +16,11 @@ from gearsim.geometry.rays import RayBundle
 from gearsim.motion.segments import compile_motion, join
 from gearsim.motion.sources import CLMotion
 from gearsim.simulation.intervals import IntervalSet
+from gearsim.simulation.removal import cut
 from gearsim.verify.torture import exact, motions, rays, tools
 from gearsim.verify.torture.campaign import Tried, case, try_cases
 from gearsim.verify.torture.command import PAIRS, TOLERANCE, planned, torture
-from gearsim.verify.torture.defects import END, LOST, SPANNED, defects
+from gearsim.verify.torture.defects import END, LOST, SPANNED, _gap, defects
 from gearsim.verify.torture.judge import CLEAR, HIT, UNDECIDED, Claim, judge
 from gearsim.verify.torture.meridian import bodies
 
@@ -241,3 +242,13 @@ def test_the_command_reports_and_refuses(tmp_path, capsys, monkeypatch):
     with pytest.raises(InputError, match="no torture"):
         torture("huge", 1)
     assert UNDECIDED == 2
+
+
+def test_a_gap_that_noise_makes_look_longer_than_the_tolerance_is_measured_in_40_digits():
+    """A barrel on an arc, all but touching a ray that it leaves for 0.93 nm: closed, as gaps up to a nanometre are."""
+    (tried,) = try_cases([planned((904, 11, 20), "large")], 1e-9)
+    (ray,) = np.flatnonzero(tried.spanned)
+    assert _gap(tried, ray, 1e-9) == pytest.approx(9.25e-10, abs=5e-12)
+    assert defects(tried, 1e-9) == []
+    finer = cut(tried.case.rays.part(np.array([ray])), tried.case.table, tried.case.cutter, tolerance=1e-12).removed
+    assert finer.lo[1] - finer.hi[0] == pytest.approx(9.28e-10, abs=2e-12)
