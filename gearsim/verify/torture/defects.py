@@ -92,7 +92,7 @@ def _kind(tried: Tried, ray: int, tolerance: float) -> tuple[str, float]:
 
 
 def _gap(tried: Tried, ray: int, tolerance: float) -> float:
-    """Length [mm] of the gap that holds the spanned piece, by 40 digits; no more than some tolerances of it are seen."""
+    """Length [mm] of the gap that holds the spanned piece, by 40 digits; no more than a few tolerances are seen."""
     case, start = tried.case, float(tried.judgement.spanned_from[ray])
     line = case.rays.origin[ray], case.rays.direction[ray]
     length = 0.0
