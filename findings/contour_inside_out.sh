@@ -2,8 +2,8 @@
 # PyVista 0.49 on VTK 9.7, trimesh 5.2, manifold3d 3.5: the surface of a body contoured from its signed distance (minus
 # inside) is inside out, PyVista's volume hides it, and the sign of every deviation measured against it turns.
 #
-# All of VTK's isosurface filters turn their triangles to the side of the small values, the inside of a distance field.
-# The discrete ones (vtkDiscreteMarchingCubes) turn them outwards. PolyData.volume is positive all the same, while
+# VTK's isosurface filters turn their triangles to the side of the small values, the inside of a distance field (tried:
+# contour filter, marching cubes, flying edges, synchronized templates; vtkDiscreteMarchingCubes turns them outwards). PolyData.volume is positive all the same, while
 # trimesh has minus that volume for the STL file and manifold3d takes the body without a fault ("NoError") and takes
 # volume away where another body is added. compute_implicit_distance gives -6 for a point 6 outside.
 #

@@ -9,7 +9,7 @@
 # 3. // floors and % truncates, so that a // b * b + a % b is not a: for -7 and 3 it is -10.
 #
 # Expected: Python's meaning of Python's syntax (docs: % is the truncated remainder, // the floor division, each by
-# itself; of array_sum's accuracy nothing is said). Exits 0 while this is so.
+# itself; of array_sum's accuracy nothing is said; 1 is known, issue 1297 of its repository). Exits 0 while this is so.
 set -eu
 folder=$(mktemp -d)
 trap 'rm -rf "$folder"' EXIT
