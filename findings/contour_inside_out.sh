@@ -3,9 +3,10 @@
 # inside) is inside out, PyVista's volume hides it, and the sign of every deviation measured against it turns.
 #
 # VTK's isosurface filters turn their triangles to the side of the small values, the inside of a distance field (tried:
-# contour filter, marching cubes, flying edges, synchronized templates; vtkDiscreteMarchingCubes turns them outwards). PolyData.volume is positive all the same, while
-# trimesh has minus that volume for the STL file and manifold3d takes the body without a fault ("NoError") and takes
-# volume away where another body is added. compute_implicit_distance gives -6 for a point 6 outside.
+# contour filter, marching cubes, flying edges, synchronized templates; vtkDiscreteMarchingCubes turns them outwards).
+# PolyData.volume is positive all the same, while trimesh has minus that volume for the STL file, and manifold3d takes
+# the body without a fault ("NoError") and loses volume where another body is added. compute_implicit_distance gives -6
+# for a point 6 outside.
 #
 # Expected: triangles turned outwards, one volume in all three. Exits 0 while this is so.
 set -eu

@@ -14,7 +14,8 @@ folder=$(mktemp -d)
 trap 'rm -rf "$folder"' EXIT
 cd "$folder"
 python3 -m venv venv
-venv/bin/pip install -q cadquery-ocp-novtk==8.0.1.1.0 >/dev/null 2>&1 || { echo "the package cannot be fetched"; exit 2; }
+venv/bin/pip install -q cadquery-ocp-novtk==8.0.1.1.0 >/dev/null 2>&1 ||
+    { echo "the package cannot be fetched"; exit 2; }
 venv/bin/python - <<'END'
 import random
 import sys

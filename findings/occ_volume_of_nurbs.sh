@@ -14,7 +14,8 @@ folder=$(mktemp -d)
 trap 'rm -rf "$folder"' EXIT
 cd "$folder"
 python3 -m venv venv
-venv/bin/pip install -q cadquery-ocp-novtk==8.0.1.1.0 >/dev/null 2>&1 || { echo "the package cannot be fetched"; exit 2; }
+venv/bin/pip install -q cadquery-ocp-novtk==8.0.1.1.0 >/dev/null 2>&1 ||
+    { echo "the package cannot be fetched"; exit 2; }
 venv/bin/python - <<'END'
 import sys
 from importlib.metadata import version
@@ -61,9 +62,10 @@ as_before = True
 for name, (maker, volume, area, distance, volume_before, area_before) in bodies.items():
     plain = maker.Shape()
     nurbs = BRepBuilderAPI_NurbsConvert(plain).Shape()
-    exact, seen, fine = relative(plain, volume, area), relative(nurbs, volume, area), relative(nurbs, volume, area, 1e-9)
+    exact, seen = relative(plain, volume, area), relative(nurbs, volume, area)
+    fine = relative(nurbs, volume, area, 1e-9)
     shape_error = off_shape(nurbs, distance)
-    print(f"{name}: elementary {exact[0]:+.0e} {exact[1]:+.0e}; as NURBS ({1e3 * shape_error:.0e} um off the true shape)")
+    print(f"{name}: elementary {exact[0]:+.0e} {exact[1]:+.0e}; as NURBS, {1e3 * shape_error:.0e} um off the shape:")
     print(f"  expected 0, seen volume {seen[0]:+.2e}, area {seen[1]:+.2e}")
     print(f"  tolerance 1e-9: volume {fine[0]:+.2e}, area {fine[1]:+.2e}, said to be within {fine[2]:.0e}")
     as_before &= max(map(abs, exact[:2])) < 1e-12 and shape_error < 1e-9

@@ -14,7 +14,8 @@ folder=$(mktemp -d)
 trap 'rm -rf "$folder"' EXIT
 cd "$folder"
 python3 -m venv venv
-venv/bin/pip install -q OpenEXR==3.5.3 numpy==2.4.6 >/dev/null 2>&1 || { echo "the packages cannot be fetched"; exit 2; }
+venv/bin/pip install -q OpenEXR==3.5.3 numpy==2.4.6 >/dev/null 2>&1 ||
+    { echo "the packages cannot be fetched"; exit 2; }
 venv/bin/python - <<'END'
 import sys
 

@@ -13,7 +13,8 @@ folder=$(mktemp -d)
 trap 'rm -rf "$folder"' EXIT
 cd "$folder"
 python3 -m venv venv
-venv/bin/pip install -q gcodeparser==0.3.0 pygcode==0.2.1 >/dev/null 2>&1 || { echo "the packages cannot be fetched"; exit 2; }
+venv/bin/pip install -q gcodeparser==0.3.0 pygcode==0.2.1 >/dev/null 2>&1 ||
+    { echo "the packages cannot be fetched"; exit 2; }
 venv/bin/python -W ignore - <<'END'
 import sys
 from importlib.metadata import version

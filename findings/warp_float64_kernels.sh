@@ -15,7 +15,8 @@ folder=$(mktemp -d)
 trap 'rm -rf "$folder"' EXIT
 cd "$folder"
 python3 -m venv venv
-venv/bin/pip install -q warp-lang==1.19.0 numpy==2.4.6 >/dev/null 2>&1 || { echo "the packages cannot be fetched"; exit 2; }
+venv/bin/pip install -q warp-lang==1.19.0 numpy==2.4.6 >/dev/null 2>&1 ||
+    { echo "the packages cannot be fetched"; exit 2; }
 cat >look.py <<'END'
 import math
 import sys
@@ -50,7 +51,8 @@ as_before = True
 out = wp.zeros(7, dtype=wp.float64, device="cpu")
 wp.launch(literals, 1, outputs=[out], device="cpu")
 names = ("0.1", "-0.1", "+0.1", "math.pi", "2.0 * math.pi", "wp.static(2.0 * math.pi)", "1.0 / 3.0")
-for name, value, true in zip(names, out.numpy(), (0.1, -0.1, 0.1, math.pi, 2 * math.pi, 2 * math.pi, 1 / 3), strict=True):
+exact = (0.1, -0.1, 0.1, math.pi, 2 * math.pi, 2 * math.pi, 1 / 3)
+for name, value, true in zip(names, out.numpy(), exact, strict=True):
     print(f"1. wp.float64({name}): expected {true!r}, seen {float(value)!r}")
     as_before &= (value != true) == (name in ("+0.1", "2.0 * math.pi", "1.0 / 3.0"))
 radii = (100 + np.random.default_rng(0).normal(0, 0.005, 10**6)).astype(np.float32)
