@@ -143,6 +143,27 @@ def surface_derivatives(
     return SurfaceDerivatives(*(x.T for x in out))
 
 
+def surface_points(
+    along_u: BSplineBasis, along_v: BSplineBasis, net: NDArray, u: NDArray, v: NDArray
+) -> NDArray:  # fmt: skip
+    """The points of ``surface_derivatives`` alone, to the bit, shape (n, 3)."""
+    columns = np.ascontiguousarray(np.moveaxis(net, -1, 0)).reshape(4, -1)
+    out = np.empty((len(u), 3), dtype=np.result_type(u, v, net))
+    for begin in range(0, len(u), _BLOCK):
+        part = slice(begin, begin + _BLOCK)
+        row, by_u = along_u.functions(u[part])
+        column, by_v = along_v.functions(v[part])
+        first = (row - along_u.degree) * along_v.count + column - along_v.degree
+        total = np.zeros((4, len(row)), dtype=out.dtype)
+        for i in range(along_u.degree + 1):
+            line = np.zeros_like(total)
+            for j in range(along_v.degree + 1):
+                line += by_v[0, j] * columns.take(first + i * along_v.count + j, axis=1)
+            total += by_u[0, i] * line
+        out[part] = (total[:3] / total[3]).T
+    return out
+
+
 def _sums(along_u: BSplineBasis, along_v: BSplineBasis, columns: NDArray, u: NDArray, v: NDArray) -> NDArray:
     """Homogeneous point and its derivatives by u, v, uu, uv, vv: shape (6, 4, n)."""
     row, by_u = along_u.functions(u, 2)

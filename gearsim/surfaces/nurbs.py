@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from gearsim.errors import InputError
 from gearsim.geometry.jets import Curvature, fundamental_curvature
-from gearsim.geometry.nurbs import BSplineBasis, SurfaceDerivatives, finite_numbers, surface_derivatives
+from gearsim.geometry.nurbs import BSplineBasis, SurfaceDerivatives, finite_numbers, surface_derivatives, surface_points
 from gearsim.surfaces.nurbs_poles import COINCIDE, PoleRefiner
 from gearsim.surfaces.patch import Jet
 
@@ -152,6 +152,10 @@ class NurbsSurface:
         """The surface at u, v of shape (n,); nan outside the domain."""
         u, v = self.inside(u, v)
         return self.complete(u, v, surface_derivatives(*self.along, self.net, u, v))
+
+    def at(self, u: ArrayLike, v: ArrayLike) -> NDArray:
+        """The surface's points at u, v of shape (n,) as ``jet`` has them, shape (n, 3); nan outside the domain."""
+        return surface_points(*self.along, self.net, *self.inside(u, v))
 
     def inside(self, u: ArrayLike, v: ArrayLike) -> tuple[NDArray, NDArray]:
         """u and v, shape (n,), both nan where one is outside the domain by more than rounding."""

@@ -27,7 +27,7 @@ _SPREAD = 24  # starts about a pole
 _SLOPE = 1e-6
 _ROOT = 1e-9
 _RIM = 1e-9
-_CHUNK = 1 << 20
+_TOGETHER = 32  # places looked at on one part of the grid
 
 
 def underside(cutter: Profile, r: ArrayLike) -> NDArray:
@@ -61,10 +61,7 @@ def drop(surface: NurbsSurface, cutter: Profile, x: ArrayLike, y: ArrayLike, gri
         raise InputError(f"cutter {cutter.name!r} is not convex: dropped, it may hook under the surface")
     place = np.column_stack(np.broadcast_arrays(np.ravel(x), np.ravel(y))).astype(float)
     search = _Search(surface, cutter, grid)
-    best_u, best_v, best = np.full(len(place), np.nan), np.full(len(place), np.nan), np.full(len(place), -np.inf)
-    for begin in range(0, len(place), max(1, _CHUNK // (grid + 1) ** 2)):
-        part = slice(begin, begin + max(1, _CHUNK // (grid + 1) ** 2))
-        best_u[part], best_v[part], best[part] = search.highest(place[part])
+    best_u, best_v, best = search.highest(place)
     jet = surface.jet(np.nan_to_num(best_u, nan=search.u[0]), np.nan_to_num(best_v, nan=search.v[0]))
     tip = np.column_stack([place, best])
     touches = np.isfinite(best)[:, None]
@@ -127,9 +124,9 @@ class _Search:
 
     def highest(self, place: NDArray) -> tuple[NDArray, NDArray, NDArray]:
         """u, v (nan) and height (-inf: none) of the contact at places (n, 2)."""
-        away = self.nodes[None, ..., :2] - place[:, None, None]
-        lift = self.nodes[None, ..., 2] - underside(self.cutter, np.hypot(away[..., 0], away[..., 1]))
-        owner, at = self._peaks(lift)
+        if not len(place):
+            return np.empty(0), np.empty(0), np.empty(0)
+        owner, at = self._peaks(place)
         root = self._newton(place[owner], at)
         height = np.where(np.isfinite(root[:, 0]), self._lift(place[owner], np.nan_to_num(root, nan=0.5)), -np.inf)
         border = (at == self.low) | (at == self.high)
@@ -142,8 +139,33 @@ class _Search:
             owners, roots, heights = [*owners, owner[on]], [*roots, found], [*heights, top]
         return self._best(len(place), np.concatenate(owners), np.concatenate(roots), np.concatenate(heights))
 
-    def _peaks(self, lift: NDArray) -> tuple[NDArray, NDArray]:
+    def _peaks(self, place: NDArray) -> tuple[NDArray, NDArray]:
         """Places and parameters (m, 2) of the highest grid points that no neighbour overtops."""
+        found = []
+        for begin in range(0, len(place), _TOGETHER):
+            some = place[begin : begin + _TOGETHER]
+            rows, columns = self._below(some)
+            nodes = self.nodes[rows, columns]
+            away = nodes[None, ..., :2] - some[:, None, None]
+            lift = nodes[None, ..., 2] - underside(self.cutter, np.hypot(away[..., 0], away[..., 1]))
+            owner, i, j = self._tops(lift)
+            found.append((begin + owner, self.u[rows][i], self.v[columns][j]))
+        owner, u, v = (np.concatenate(column) for column in zip(*found, strict=True))
+        return self._off_poles(owner, np.column_stack([u, v]))
+
+    def _below(self, place: NDArray) -> tuple[slice, slice]:
+        """The part of the grid that holds all points under the tool at any of the places."""
+        reach = self.cutter.max_radius + 2.0 * _RIM
+        xy = self.nodes[..., :2]
+        under = ((xy >= place.min(axis=0) - reach) & (xy <= place.max(axis=0) + reach)).all(axis=2)
+        rows, columns = (np.flatnonzero(under.any(axis=axis)) for axis in (1, 0))
+        if not len(rows):
+            return slice(0, 1), slice(0, 1)
+        return slice(rows[0], rows[-1] + 1), slice(columns[0], columns[-1] + 1)
+
+    @staticmethod
+    def _tops(lift: NDArray) -> tuple[NDArray, NDArray, NDArray]:
+        """Which place, row and column the highest points that no neighbour overtops have."""
         n, rows, columns = lift.shape
         padded = np.pad(lift, ((0, 0), (1, 1), (1, 1)), constant_values=-np.inf)
         around = [padded[:, i : i + rows, j : j + columns] for i in range(3) for j in range(3) if (i, j) != (1, 1)]
@@ -151,13 +173,12 @@ class _Search:
             steepest = np.nan_to_num(lift - np.minimum.reduce(around), nan=0.0, posinf=np.inf)
         hopeful = lift + steepest >= lift.max(axis=(1, 2), keepdims=True)
         peak = np.where((lift >= np.maximum.reduce(around)) & hopeful, lift, -np.inf).reshape(n, -1)
-        first = np.argpartition(-peak, _KEEP, axis=1)[:, :_KEEP]
+        first = np.argpartition(-peak, min(_KEEP, peak.shape[1] - 1), axis=1)[:, :_KEEP]
         owner, rank = np.nonzero(np.isfinite(np.take_along_axis(peak, first, axis=1)))
-        i, j = np.divmod(first[owner, rank], columns)
-        return self._off_poles(owner, np.column_stack([self.u[i], self.v[j]]))
+        return owner, *np.divmod(first[owner, rank], columns)
 
     def _lift(self, place: NDArray, at: NDArray) -> NDArray:
-        r = self.surface.jet(at[:, 0], at[:, 1]).r
+        r = self.surface.at(at[:, 0], at[:, 1])
         return r[:, 2] - underside(self.cutter, np.linalg.norm(r[:, :2] - place, axis=1))
 
     def _miss(self, place: NDArray, at: NDArray) -> NDArray:

@@ -221,3 +221,11 @@ def test_impossible_surfaces_are_refused(changes, said):
     NurbsSurface(**good)
     with pytest.raises(InputError, match=said):
         NurbsSurface(**{**good, **changes})
+
+
+def test_points_alone_are_those_of_the_jet_to_the_bit(rng):
+    surface = torus(10.0, 3.0)
+    (u0, u1), (v0, v1) = surface.domain
+    u, v = rng.uniform(u0 - 0.1, u1, 9000), rng.uniform(v0, v1, 9000)
+    assert np.array_equal(surface.at(u, v), surface.jet(u, v).r, equal_nan=True)
+    assert np.isnan(surface.at(u, v)).any()
