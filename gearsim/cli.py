@@ -6,7 +6,6 @@ import argparse
 import os
 import sys
 from collections.abc import Sequence
-from contextlib import nullcontext
 from pathlib import Path
 from typing import Any
 
@@ -76,6 +75,7 @@ def _add_run(commands: Any) -> None:
         description="Simulate a scene by two independent roads and write report, pictures and data.",
         epilog="examples:\n  gearsim run spiral-bevel-flank\n"
         "  gearsim run my.toml --out results --set toolpath.points=129\n"
+        "  gearsim run my.toml --only report.json,samples.parquet,'deviation*'\n"
         "  gearsim run my.toml --dry-run\n\n" + _EXIT_CODES,
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
@@ -90,7 +90,10 @@ def _add_run(commands: Any) -> None:
         help="override a value; repeatable",
     )
     run.add_argument("--no-pictures", action="store_true", help="write data and report alone")
-    run.add_argument("--figures", metavar="FORMATS", help="draw charts as svg, pdf or svg,pdf beside PNG, for papers")
+    run.add_argument("--only", type=_names, default=(), metavar="NAMES",
+                     help="write these files alone, names or patterns: report.json,'deviation*'")  # fmt: skip
+    run.add_argument("--figures", type=_names, default=(), metavar="FORMATS",
+                     help="draw charts as svg, pdf or svg,pdf beside PNG, for papers")  # fmt: skip
     run.add_argument("--dry-run", action="store_true", help="say what would be cut, how large, how long; cut nothing")
     run.set_defaults(command=_run)
 
@@ -207,20 +210,17 @@ def _run(options: argparse.Namespace) -> int:
     from gearsim.output.files import staged
     from gearsim.output.painting import Painters
     from gearsim.output.screen import ScreenProgress, print_result
-    from gearsim.output.write import Wanted, write_result
+    from gearsim.output.wanted import Wanted
+    from gearsim.output.write import write_result
     from gearsim.processes.run import run
 
-    wanted = Wanted(not options.no_pictures, tuple(options.figures.split(",")) if options.figures else ())
+    wanted = Wanted(not options.no_pictures, options.figures, options.only)
     out = options.out or Path("runs") / scene.name
-    with (
-        staged(out) as stage,
-        Painters() if wanted.pictures else nullcontext() as painters,
-        ScreenProgress() as progress,
-    ):
+    with staged(out) as stage, Painters(wanted) as painters, ScreenProgress() as progress:
         result = run(scene, device=options.device, folder=folder, progress=progress)
         progress.stage("writing report and pictures", 0)
-        missing = write_result(result, stage, wanted, painters)
-    print_result(result, out, missing)
+        missing = write_result(result, stage, painters)
+    print_result(result, out / "report.html" if wanted.file("report.html") else out, missing)
     return result.exit_code
 
 
@@ -264,6 +264,13 @@ def _gouge(options: argparse.Namespace) -> int:
     from gearsim.processes.gouge import gouge
 
     return gouge(options)
+
+
+def _names(text: str) -> tuple[str, ...]:
+    names = tuple(name.strip() for name in text.split(","))
+    if not all(names):
+        raise argparse.ArgumentTypeError(f"expected names with commas between them, got {text!r}")
+    return names
 
 
 def _positive(text: str) -> int:

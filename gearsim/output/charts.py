@@ -16,7 +16,8 @@ from gearsim.metrology.mean_profile import ProfileMeasurement
 from gearsim.motion.axes import AxisMotion
 from gearsim.output.heat import draw_heat, is_perfect
 from gearsim.output.presenters import collected
-from gearsim.output.saving import Save
+from gearsim.output.saving import Chart, Save
+from gearsim.output.wanted import Wanted
 from gearsim.result import Result
 
 if TYPE_CHECKING:
@@ -25,23 +26,23 @@ if TYPE_CHECKING:
 _PIXELS = 1400.0  # across a picture of few panels
 
 
-def chart_all(
-    result: Result, folder: Path, formats: tuple[str, ...], tell: Callable[[dict[str, str]], None]
-) -> None:  # fmt: skip
-    """Draw every flat picture; ``tell`` of their captions when they are there."""
-    save = Save(folder, formats)
-    captions: dict[str, str] = {}
-    for drawn in collected(result, "charts", save):
-        captions |= drawn
-    tell(captions)
+def all_charts(result: Result) -> list[Chart]:
+    """Every flat picture that can be drawn of a result."""
+    return [chart for offered in collected(result, "charts") for chart in offered]
 
 
-def draw_grids(result: Result, dense: Sequence[GridMeasurement], save: Save) -> dict[str, str]:
-    """deviation.png: one row a variant, one column a surface; its caption. What is as intended is named, not drawn."""
+def chart_all(result: Result, folder: Path, wanted: Wanted, tell: Callable[[dict[str, str]], None]) -> None:
+    """Draw every flat picture that is wanted; ``tell`` of their captions before drawing."""
+    charts = [chart for chart in all_charts(result) if wanted.chart(chart.file)]
+    tell({chart.file: chart.caption for chart in charts})
+    for chart in charts:
+        chart.draw(Save(folder, wanted))
+
+
+def draw_grids(result: Result, dense: Sequence[GridMeasurement], save: Save) -> None:
+    """deviation.png: one row a variant, one column a surface. What is as intended is named, not drawn."""
     shown = [m for m in dense if not is_perfect(1e3 * m.deviation.value)]
     perfect = [f"{m.surface} ({m.variant})" for m in dense if is_perfect(1e3 * m.deviation.value)]
-    if not shown:
-        return {}
     places, columns, rows = _panels(shown)
     width, height = 4.6 * columns + 0.6, 3.0 * rows + 0.7 + 0.25 * bool(perfect)
     figure = pyplot().figure(figsize=(width, height))
@@ -55,7 +56,6 @@ def draw_grids(result: Result, dense: Sequence[GridMeasurement], save: Save) -> 
         named = f"as intended to 1 nm: {', '.join(perfect)}"
         figure.text(0.6 / width, 1.0 - 0.6 / height, "\n".join(wrap(named, int(13 * width))), fontsize=9, va="top")
     save(figure, "deviation.png", round(max(80.0, _PIXELS / width)))
-    return {"deviation.png": "Deviation maps of every surface under every motion"}
 
 
 def _panels(dense: Sequence[GridMeasurement]) -> tuple[list[tuple[int, int]], int, int]:

@@ -1,4 +1,7 @@
-"""3D pictures and tooth.vtp, drawn in a process of their own; tooth.vtp, which needs no OpenGL, is written first."""
+"""3D pictures and tooth.vtp, drawn in a process of their own; tooth.vtp, which needs no OpenGL, is written first.
+
+PyVista is loaded when something is drawn: what there is to draw is known without it.
+"""
 
 from __future__ import annotations
 
@@ -6,7 +9,6 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any, NamedTuple
 
-import pyvista as pv
 from numpy.typing import NDArray
 
 from gearsim.output.draw import draw_blanks, draw_envelopes, draw_toolpaths, patch_meshes
@@ -15,6 +17,7 @@ from gearsim.output.draw_tooth import draw_tooth
 from gearsim.output.gear.draw import draw_gear
 from gearsim.output.gouging.draw import draw_surfaces
 from gearsim.output.presenters import collected
+from gearsim.output.wanted import Wanted
 from gearsim.result import Result
 
 Arrays = dict[str, NDArray]
@@ -40,19 +43,38 @@ PICTURES = (
 )
 
 
-def draw_all(
-    result: Result, folder: Path, formats: tuple[str, ...], tell: Callable[[dict[str, str]], None]
-) -> None:  # fmt: skip
-    """Write tooth.vtp and draw every picture there are arrays for; ``tell`` of their captions before drawing."""
+MESHES = "tooth.vtp"
+
+
+def solid_files(result: Result) -> list[str]:
+    """The names of all that ``draw_all`` would write of a result."""
+    data = _arrays(result)
+    meshes = [MESHES] if any(key.startswith("patch:") for key in data) else []
+    return [*meshes, *(p.file for p in _drawable(data))]
+
+
+def draw_all(result: Result, folder: Path, wanted: Wanted, tell: Callable[[dict[str, str]], None]) -> None:
+    """Write tooth.vtp and draw every picture there are arrays for, as wanted; ``tell`` of captions before drawing."""
+    import pyvista as pv
+
     pv.OFF_SCREEN = True
-    data: Arrays = {}
-    for arrays in collected(result, "layers"):
-        data |= arrays
+    data = _arrays(result)
     surfaces = patch_meshes(data)
-    if surfaces:
+    if surfaces and wanted.file(MESHES):
         whole = pv.merge(list(surfaces.values()), merge_points=False)
-        whole.extract_surface(algorithm=None).save(folder / "tooth.vtp")
-    pictures = [p for p in PICTURES if any(key.startswith(p.needs) for key in data)]
+        whole.extract_surface(algorithm=None).save(folder / MESHES)
+    pictures = [p for p in _drawable(data) if wanted.file(p.file)]
     tell({p.file: p.caption for p in pictures})
     for picture in pictures:
         picture.draw(data, surfaces, folder / picture.file)
+
+
+def _arrays(result: Result) -> Arrays:
+    data: Arrays = {}
+    for arrays in collected(result, "layers"):
+        data |= arrays
+    return data
+
+
+def _drawable(data: Arrays) -> list[Picture]:
+    return [p for p in PICTURES if any(key.startswith(p.needs) for key in data)]

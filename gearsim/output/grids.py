@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from datetime import date
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -19,10 +20,11 @@ from gearsim.metrology.topography import Topography
 from gearsim.output.charts import draw_grids
 from gearsim.output.draw_tooth import tooth_arrays
 from gearsim.output.flank_sheet import Sheet, draw_sheet
+from gearsim.output.heat import is_perfect
 from gearsim.output.layers import patch_arrays, view_arrays
 from gearsim.output.markdown import table, um
 from gearsim.output.presenters import slug
-from gearsim.output.saving import Save
+from gearsim.output.saving import Chart
 from gearsim.output.summary import gap_figures, number, numbers, worst_at
 from gearsim.result import Result
 
@@ -146,14 +148,17 @@ def _short(x: float | int | None) -> str:
     return f"{x:.1f}" if abs(x) >= 100.0 else f"{x:.4f}" if abs(x) >= 5e-5 else "0"
 
 
-def charts(result: Result, found: Sequence[GridMeasurement], save: Save) -> dict[str, str]:
-    """deviation.png: a map of every surface that has a tolerance under every variant."""
+def charts(result: Result, found: Sequence[GridMeasurement]) -> list[Chart]:
+    """inspection.png, and deviation.png: a map of every surface under every variant where anything is to be seen."""
     dense = [m for m in found if m.inspection == DENSE]
-    captions = _sheet(result, found, save)
-    return captions | draw_grids(result, dense, save)
+    sheet = _sheet(result, found)
+    if all(is_perfect(1e3 * m.deviation.value) for m in dense):
+        return sheet
+    caption = "Deviation maps of every surface under every motion"
+    return [*sheet, Chart("deviation.png", caption, partial(draw_grids, result, dense))]
 
 
-def _sheet(result: Result, found: Sequence[GridMeasurement], save: Save) -> dict[str, str]:
+def _sheet(result: Result, found: Sequence[GridMeasurement]) -> list[Chart]:
     """inspection.png: the flanks that were measured on an inspector's grid, under the whole program."""
     main, halves = result.job.main, []
     for m in found:
@@ -162,9 +167,10 @@ def _sheet(result: Result, found: Sequence[GridMeasurement], save: Save) -> dict
     tolerances = [result.job.part.surfaces[h.coarse.surface].tolerance for h in halves]
     limits = [t.excess_um for t in tolerances if t is not None and np.isfinite(t.excess_um)]
     if not halves or not limits:
-        return {}
-    draw_sheet(f"{result.name}: inspection of the flanks", _lines(result), halves, min(limits), "inspection.png", save)
-    return {"inspection.png": "Inspection sheet: the inspector's grid and the dense map under the whole program"}
+        return []
+    caption = "Inspection sheet: the inspector's grid and the dense map under the whole program"
+    title, lines = f"{result.name}: inspection of the flanks", _lines(result)
+    return [Chart("inspection.png", caption, partial(draw_sheet, title, lines, halves, min(limits), "inspection.png"))]
 
 
 def _lines(result: Result) -> list[str]:

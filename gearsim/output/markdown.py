@@ -7,6 +7,8 @@ import re
 from pathlib import Path
 from typing import Any
 
+from gearsim.output.wanted import EVERYTHING, Wanted
+
 _STYLE = """
 body{font:16px/1.5 system-ui,sans-serif;max-width:72rem;margin:2rem auto;padding:0 1rem;color:#1b1f24}
 table{border-collapse:collapse;margin:1rem 0;font-variant-numeric:tabular-nums;display:block;overflow-x:auto}
@@ -19,10 +21,12 @@ code{background:#f3f4f6;padding:.1rem .25rem;overflow-wrap:anywhere}
 """
 
 
-def write_report(text: str, title: str, folder: Path) -> None:
-    """Write report.md and report.html into a folder that already holds the pictures."""
-    (folder / "report.md").write_text(text, encoding="utf-8")
-    (folder / "report.html").write_text(_html(text, folder, title), encoding="utf-8")
+def write_report(text: str, title: str, folder: Path, wanted: Wanted = EVERYTHING) -> None:
+    """Write report.md and report.html, as wanted, into a folder that already holds the pictures."""
+    if wanted.file("report.md"):
+        (folder / "report.md").write_text(text, encoding="utf-8")
+    if wanted.file("report.html"):
+        (folder / "report.html").write_text(_html(text, folder, title), encoding="utf-8")
 
 
 def verdict(report: dict[str, Any]) -> str:

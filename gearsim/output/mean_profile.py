@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import partial
 from typing import Any
 
 from gearsim.metrology.mean_profile import ProfileMeasurement
 from gearsim.output.charts import draw_mean_profiles
 from gearsim.output.markdown import table, um
-from gearsim.output.saving import Save
+from gearsim.output.saving import Chart
 from gearsim.output.summary import number
 from gearsim.result import Result
 
@@ -41,6 +42,6 @@ def sections(_: Result, found: Sequence[ProfileMeasurement]) -> dict[str, str]:
     return {"beside": f"## Beside the published figures\n\n{intro}\n\n" + table(head, rows)}
 
 
-def charts(result: Result, found: Sequence[ProfileMeasurement], save: Save) -> dict[str, str]:
-    draw_mean_profiles(result, found, save)
-    return {"mean-profile.png": "Deviation over the height above the contact path, at the mean profile"}
+def charts(result: Result, found: Sequence[ProfileMeasurement]) -> list[Chart]:
+    caption = "Deviation over the height above the contact path, at the mean profile"
+    return [Chart("mean-profile.png", caption, partial(draw_mean_profiles, result, found))]

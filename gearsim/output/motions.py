@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -12,7 +13,7 @@ from gearsim.metrology.grid import DENSE, GridInspection
 from gearsim.motion.axes import AxisMotion
 from gearsim.output.charts import draw_axes
 from gearsim.output.layers import grazing_curves, outline, path_arrays
-from gearsim.output.saving import Save
+from gearsim.output.saving import Chart
 from gearsim.result import Result
 
 
@@ -43,7 +44,7 @@ def _generating(result: Result) -> dict[str, NDArray]:
     return arrays | {"tool:profile": outline(variant.cutter), "tool:tip": pose.tip.value, "tool:axis": pose.axis.value}
 
 
-def charts(result: Result, _: Sequence[Any], save: Save) -> dict[str, str]:
+def charts(result: Result, _: Sequence[Any]) -> list[Chart]:
     """axes.png: the axis values of every machine's motion over its blocks; nothing where there is none."""
     motions = {
         v.name: source
@@ -52,7 +53,4 @@ def charts(result: Result, _: Sequence[Any], save: Save) -> dict[str, str]:
         for source in o.sources
         if isinstance(source, AxisMotion) and " N = " not in v.name
     }
-    if not motions:
-        return {}
-    draw_axes(motions, save)
-    return {"axes.png": "Axis values along the motion"}
+    return [Chart("axes.png", "Axis values along the motion", partial(draw_axes, motions))] if motions else []

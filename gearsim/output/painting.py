@@ -1,7 +1,7 @@
 """The drawing processes: one for flat pictures, one for 3D; each loads its library while the kernels still run.
 
-``python -m gearsim.output.painting flat|solid`` waits for a line with a folder and formats, and draws what the result
-pickled in it holds. A machine without OpenGL ends the 3D process, not the run.
+``python -m gearsim.output.painting flat|solid`` waits for a line with a folder, and draws of the result pickled in it
+what is wanted. A machine without OpenGL ends the 3D process, not the run.
 """
 
 from __future__ import annotations
@@ -14,6 +14,7 @@ import sys
 from collections.abc import Callable
 from pathlib import Path
 
+from gearsim.output.wanted import EVERYTHING, Wanted
 from gearsim.result import Result
 
 RESULT = "_result.pickle"
@@ -22,10 +23,14 @@ _REMEDY = "They need OpenGL without a screen; on Debian or Ubuntu: apt-get insta
 
 
 class Painters:
-    """Both drawing processes, started at once and waiting for a result; use as a context to be sure they end."""
+    """The drawing processes, started at once and waiting for a result; use as a context to be sure they end.
 
-    def __init__(self) -> None:
-        self._processes = {kind: _start(kind) for kind in KINDS}
+    Those that have nothing to do for what is ``wanted`` are not started.
+    """
+
+    def __init__(self, wanted: Wanted = EVERYTHING) -> None:
+        self.wanted = wanted
+        self._processes = {kind: _start(kind) for kind in kinds(wanted)}
         self._folder: Path | None = None
 
     def __enter__(self) -> Painters:
@@ -37,15 +42,17 @@ class Painters:
                 process.kill()
             process.communicate()
 
-    def draw(self, result: Result, folder: Path, formats: tuple[str, ...] = ()) -> None:
-        """Start drawing a result into a folder; ``formats`` beside PNG."""
+    def draw(self, result: Result, folder: Path) -> None:
+        """Start drawing a result into a folder."""
         self._folder = folder
+        if not self._processes:
+            return
         with (folder / RESULT).open("wb") as file:
-            pickle.dump(result, file, protocol=pickle.HIGHEST_PROTOCOL)
+            pickle.dump((result, self.wanted), file, protocol=pickle.HIGHEST_PROTOCOL)
         for process in self._processes.values():
             assert process.stdin is not None
             try:
-                process.stdin.write(json.dumps([str(folder), formats]) + "\n")
+                process.stdin.write(json.dumps(str(folder)) + "\n")
                 process.stdin.flush()
             except BrokenPipeError:  # it has ended; finish() says why
                 pass
@@ -65,6 +72,19 @@ class Painters:
             told.unlink(missing_ok=True)
         (self._folder / RESULT).unlink(missing_ok=True)
         return captions, missing
+
+
+def kinds(wanted: Wanted) -> tuple[str, ...]:
+    """The drawing processes that what is wanted needs, or may need."""
+    if not wanted.pictures:
+        return ()
+    if not wanted.only:
+        return KINDS
+    from gearsim.output.drawer import MESHES, PICTURES
+
+    solid = (MESHES, *(p.file for p in PICTURES))
+    needed = {"flat": wanted.may_want_charts(solid), "solid": any(map(wanted.file, solid))}
+    return tuple(kind for kind in KINDS if needed[kind])
 
 
 def _start(kind: str) -> subprocess.Popen[str]:
@@ -88,18 +108,17 @@ def main(kind: str) -> None:
     line = sys.stdin.readline()
     if not line:
         return
-    place, formats = json.loads(line)
-    folder = Path(place)
+    folder = Path(json.loads(line))
     with (folder / RESULT).open("rb") as file:
-        result = pickle.load(file)  # our own, written a moment ago
+        result, wanted = pickle.load(file)  # our own, written a moment ago
 
     def tell(captions: dict[str, str]) -> None:
         (folder / f"_{kind}.json").write_text(json.dumps(captions), encoding="utf-8")
 
-    paint(result, folder, tuple(formats), tell)
+    paint(result, folder, wanted, tell)
 
 
-Paint = Callable[[Result, Path, tuple[str, ...], Callable[[dict[str, str]], None]], None]
+Paint = Callable[[Result, Path, Wanted, Callable[[dict[str, str]], None]], None]
 
 
 def _flat() -> Paint:

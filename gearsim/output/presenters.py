@@ -6,7 +6,7 @@ A presenter module may have any of these functions; ``found`` are a result's mea
 | --- | --- |
 | ``figures(measurement)`` | plain values for report.json |
 | ``sections(result, found)`` | Markdown by the report's slots (``SLOTS``) |
-| ``charts(result, found, save)`` | draws flat pictures with ``save(figure, name)``; their captions by name |
+| ``charts(result, found)`` | flat pictures that can be drawn, as ``Chart`` |
 | ``layers(result, found)`` | arrays for the 3D pictures, which are listed in ``output.drawer`` |
 | ``maps(result, found)`` | parts of EXR files: channels by part, by file name |
 | ``rows(result, found)`` | columns of samples.parquet, one table a surface |

@@ -1,23 +1,33 @@
-"""Where flat pictures are saved: as PNG, and in other formats where they are wanted."""
+"""Flat pictures: what a presenter offers to draw, and where it is saved, as PNG and in other formats."""
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
+
+from gearsim.output.wanted import EVERYTHING, Wanted
 
 
 @dataclass(frozen=True)
 class Save:
-    """Saves figures into a folder under the name of a PNG file, and in more ``formats`` beside it; then closes them."""
+    """Saves figures into a folder under the name of a PNG file and in more formats, as wanted; then closes them."""
 
     folder: Path
-    formats: tuple[str, ...] = ()
+    wanted: Wanted = EVERYTHING
 
     def __call__(self, figure: Any, name: str, dpi: float = 100.0) -> None:
         from matplotlib import pyplot
 
-        figure.savefig(self.folder / name, dpi=dpi)
-        for ending in self.formats:
-            figure.savefig((self.folder / name).with_suffix(f".{ending}"))
+        for file in filter(self.wanted.file, self.wanted.chart_files(name)):
+            figure.savefig(self.folder / file, dpi=dpi)
         pyplot.close(figure)
+
+
+class Chart(NamedTuple):
+    """A picture that can be drawn: the PNG file's name, its caption, and what draws it and hands it to a Save."""
+
+    file: str
+    caption: str
+    draw: Callable[[Save], None]

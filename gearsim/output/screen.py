@@ -49,8 +49,8 @@ class ScreenProgress:
             self._bar.advance(self._task, amount)
 
 
-def print_result(result: Result, out: Path, missing: list[str]) -> None:
-    """The figures a user wants first."""
+def print_result(result: Result, written: Path, missing: list[str]) -> None:
+    """The figures a user wants first; ``written`` is where to read on: the report, or the folder."""
     collected(result, "screen", _CONSOLE)
     for f in result.findings:
         place = ", ".join(f"{x:.2f}" for x in f.place_mm)
@@ -70,7 +70,8 @@ def print_result(result: Result, out: Path, missing: list[str]) -> None:
         )
     style = {"pass": "bold green", "fail": "bold red", "unchecked": "bold magenta"}[result.verdict]
     detail = "" if result.verdict != "unchecked" else f": {escape(result.status)}"
-    _CONSOLE.print(f"verdict: [{style}]{result.verdict}[/]{detail}   report: {out / 'report.html'}", soft_wrap=True)
+    what = "files" if written.is_dir() else "report"
+    _CONSOLE.print(f"verdict: [{style}]{result.verdict}[/]{detail}   {what}: {written}", soft_wrap=True)
 
 
 def print_estimate(name: str, estimate: dict[str, float]) -> None:

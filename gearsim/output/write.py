@@ -2,63 +2,105 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Iterator
+from fnmatch import fnmatchcase
 from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
+from gearsim.errors import InputError
+from gearsim.output.charts import all_charts
 from gearsim.output.exr import header, write_exr
+from gearsim.output.files import LAST
 from gearsim.output.markdown import write_report
 from gearsim.output.painting import Painters
 from gearsim.output.presenters import collected
 from gearsim.output.report import report_text
 from gearsim.output.summary import summary, write_json
 from gearsim.output.table import write_parquet
+from gearsim.output.wanted import Wanted
 from gearsim.result import Result
 
-
-@dataclass(frozen=True)
-class Wanted:
-    """What to write: pictures or none, and in which ``formats`` beside PNG (svg, pdf)."""
-
-    pictures: bool = True
-    formats: tuple[str, ...] = ()
+REPORTS = (LAST, "report.md", "report.html")
+SAMPLES = "samples.parquet"
 
 
-def write_result(
-    result: Result, stage: Path, wanted: Wanted = Wanted(), painters: Painters | None = None
-) -> list[str]:  # fmt: skip
-    """Write all files of a run into a scratch folder; returns what could not be drawn, one line each.
+def write_result(result: Result, stage: Path, painters: Painters | None = None) -> list[str]:
+    """Write the files of a run into a scratch folder; returns what could not be drawn, one line each.
 
-    ``painters`` are the drawing processes, where they were started ahead of time.
+    ``painters`` are the drawing processes, where they were started ahead of time; they know what is wanted, by default
+    everything. Raises InputError for a name or pattern that is wanted and that no file of this run bears.
     """
-    painters = painters or (Painters() if wanted.pictures else None)
-    if painters is not None:
-        painters.draw(result, stage, wanted.formats)
-    _write_data(result, stage)
-    captions, missing = painters.finish() if painters is not None else ({}, [])
-    figures = summary(result)
-    figures["not_drawn"] = missing
-    text = report_text(result, figures, captions, _names(stage))
-    write_report(text, result.name, stage)
-    write_json(figures, stage / "report.json")
+    painters = painters or Painters()
+    wanted = painters.wanted
+    _refuse_unknown(result, wanted)
+    painters.draw(result, stage)
+    _write_data(result, stage, wanted)
+    captions, missing = painters.finish()
+    if any(map(wanted.file, REPORTS)):
+        _write_reports(result, stage, wanted, captions, missing)
     return missing
 
 
-def _write_data(result: Result, stage: Path) -> None:
+def _refuse_unknown(result: Result, wanted: Wanted) -> None:
+    unknown = set(wanted.only)
+    for name in _all_names(result, wanted) if unknown else ():
+        unknown -= {pattern for pattern in unknown if fnmatchcase(name, pattern)}
+        if not unknown:
+            return
+    if unknown:
+        known = ", ".join(sorted(_all_names(result, wanted)))
+        raise InputError(f"--only {', '.join(sorted(unknown))}: no file of this run has that name; there are {known}")
+
+
+def _all_names(result: Result, wanted: Wanted) -> Iterator[str]:
+    """Every file the run could leave, apart from formats that were not asked for; the cheapest to tell first."""
+    yield from REPORTS
+    yield from result.job.files
+    yield from _maps(result)
+    if wanted.pictures:
+        for chart in all_charts(result):
+            yield from wanted.chart_files(chart.file)
+    if _tables(result):
+        yield SAMPLES
+    if wanted.pictures:
+        from gearsim.output.drawer import solid_files
+
+        yield from solid_files(result)
+
+
+def _write_reports(
+    result: Result, stage: Path, wanted: Wanted, captions: dict[str, str], missing: list[str]
+) -> None:  # fmt: skip
+    figures = summary(result)
+    figures["not_drawn"] = missing
+    names = _names(stage) + [LAST] * wanted.file(LAST)
+    write_report(report_text(result, figures, captions, names), result.name, stage, wanted)
+    if wanted.file(LAST):
+        write_json(figures, stage / LAST)
+
+
+def _write_data(result: Result, stage: Path, wanted: Wanted) -> None:
     main = f"deviation.um and segment.id are under {result.job.main}; NAME.deviation.um under NAME"
     for name, parts in _maps(result).items():
-        write_exr(parts, header(result.name, result.frame, program=main), stage / name)
+        if wanted.file(name):
+            write_exr(parts, header(result.name, result.frame, program=main), stage / name)
+    tables = _tables(result) if wanted.file(SAMPLES) else []
+    if tables:
+        write_parquet(tables, result, stage / SAMPLES)
+    for name, text in result.job.files.items():
+        if wanted.file(name):
+            (stage / name).write_text(text, encoding="utf-8")
+
+
+def _tables(result: Result) -> list[dict[str, NDArray]]:
+    """The columns that all presenters give, one table a surface."""
     tables = [table for tables in collected(result, "rows") for table in tables]
     for more in collected(result, "columns"):
         for table in tables:
             table |= {name: np.ravel(values) for name, values in more.get(str(table["surface"][0]), {}).items()}
-    if tables:
-        write_parquet(tables, result, stage / "samples.parquet")
-    for name, text in result.job.files.items():
-        (stage / name).write_text(text, encoding="utf-8")
+    return tables
 
 
 def _maps(result: Result) -> dict[str, dict[str, dict[str, NDArray]]]:
@@ -72,5 +114,4 @@ def _maps(result: Result) -> dict[str, dict[str, dict[str, NDArray]]]:
 
 
 def _names(stage: Path) -> list[str]:
-    names: Sequence[str] = [f.name for f in stage.iterdir() if not f.name.startswith("_")]
-    return sorted([*names, "report.json"])
+    return sorted(f.name for f in stage.iterdir() if not f.name.startswith("_"))

@@ -16,6 +16,7 @@ from gearsim.output.flank_sheet import (
     whisker_scale,
 )
 from gearsim.output.saving import Save
+from gearsim.output.wanted import Wanted
 
 
 @pytest.fixture
@@ -77,8 +78,9 @@ def test_an_unmeasured_flank_is_said_to_be(sheet):
 
 
 def test_the_page_is_drawn_at_any_size(sheet, tmp_path):
+    save = Save(tmp_path, Wanted(formats=("svg",)))
     for um in (np.nan, 0.0, 1e-9, 3.0, 1e4):
-        draw_sheet("title", ["a line"], [with_um(sheet, um, um)] * 2, 5.0, "sheet.png", Save(tmp_path, ("svg",)))
+        draw_sheet("title", ["a line"], [with_um(sheet, um, um)] * 2, 5.0, "sheet.png", save)
         assert (tmp_path / "sheet.svg").stat().st_size > 10_000
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import partial
 from math import degrees
 from typing import Any
 
@@ -20,7 +21,7 @@ from gearsim.output.gear.topography import draw_topography
 from gearsim.output.gear.traces import draw_traces
 from gearsim.output.gear.words import size
 from gearsim.output.markdown import table
-from gearsim.output.saving import Save
+from gearsim.output.saving import Chart
 from gearsim.output.summary import number
 from gearsim.result import Result
 from gearsim.surfaces.cylindrical_gear import SIDES, CylindricalGear, Side
@@ -113,25 +114,22 @@ def _ours(inspection: GearInspection, printed: dict[str, Any], station: str, par
     return None if k is None or k >= values.shape[1] else number(largest(values[:, k]))
 
 
-def charts(result: Result, found: Sequence[GearMeasurement], save: Save) -> dict[str, str]:
+def charts(result: Result, found: Sequence[GearMeasurement]) -> list[Chart]:
     """Sheet, traces, pitch, and the topography of space 1."""
     inspection, name = found[0].found, result.name
     gear, tolerances = inspection.gear, inspection.tolerances_um
-    inspection_sheet(inspection, save)
-    draw_traces(inspection.profile, gear, tolerances, f"{name}: profile", "profile.png", save)
-    draw_traces(inspection.helix, gear, tolerances, f"{name}: helix", "helix.png", save)
-    draw_pitch(inspection.pitch, inspection.runout, tolerances, f"{name}: pitch", save)
-    captions = {
-        "inspection.png": "Inspection sheet",
-        "profile.png": "Profile traces",
-        "helix.png": "Helix traces",
-        "pitch.png": "Pitch",
-    }
+    pitch = partial(draw_pitch, inspection.pitch, inspection.runout, tolerances, f"{name}: pitch")
+    offered = [Chart("inspection.png", "Inspection sheet", partial(inspection_sheet, inspection))]
+    for kind in ("profile", "helix"):
+        traces = partial(draw_traces, getattr(inspection, kind), gear, tolerances, f"{name}: {kind}", f"{kind}.png")
+        offered.append(Chart(f"{kind}.png", f"{kind.capitalize()} traces", traces))
+    offered.append(Chart("pitch.png", "Pitch", pitch))
     maps = _flank_maps(result, gear)
     if maps:
-        draw_topography(maps, gear, f"{name}: flank topography", save)
-        captions["topography.png"] = "Topography of both flanks of space 1, along the normal, under the whole program"
-    return captions
+        caption = "Topography of both flanks of space 1, along the normal, under the whole program"
+        topography = partial(draw_topography, maps, gear, f"{name}: flank topography")
+        offered.append(Chart("topography.png", caption, topography))
+    return offered
 
 
 def _flank_maps(result: Result, gear: CylindricalGear) -> dict[Side, FlankMap]:

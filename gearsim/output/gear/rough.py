@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import partial
 from typing import Any
 
 from gearsim.metrology.gear_roughness import RoughnessMeasurement
 from gearsim.output.gear.roughness import draw_roughness
 from gearsim.output.gear.words import size
 from gearsim.output.markdown import table
-from gearsim.output.saving import Save
+from gearsim.output.saving import Chart
 from gearsim.output.summary import number
 from gearsim.result import Result
 
@@ -48,6 +49,6 @@ def sections(result: Result, found: Sequence[RoughnessMeasurement]) -> dict[str,
     return {"beside": text}
 
 
-def charts(result: Result, found: Sequence[RoughnessMeasurement], save: Save) -> dict[str, str]:
-    draw_roughness(found[0].traces, f"{result.name}: roughness of the path alone", save)
-    return {"roughness.png": "Roughness of the path alone"}
+def charts(result: Result, found: Sequence[RoughnessMeasurement]) -> list[Chart]:
+    draw = partial(draw_roughness, found[0].traces, f"{result.name}: roughness of the path alone")
+    return [Chart("roughness.png", "Roughness of the path alone", draw)]

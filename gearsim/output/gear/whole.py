@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -15,7 +16,7 @@ from gearsim.metrology.grid import DENSE, GridMeasurement
 from gearsim.metrology.samples import SampleGrid
 from gearsim.output.gear.section import draw_section
 from gearsim.output.layers import outline
-from gearsim.output.saving import Save
+from gearsim.output.saving import Chart
 from gearsim.result import Result
 from gearsim.simulation.intervals import IntervalSet
 from gearsim.simulation.section import Section
@@ -29,12 +30,12 @@ def figures(m: SectionMeasurement) -> dict[str, Any]:
     return {"z_mm": m.section.z, "rays": len(m.section.y)}
 
 
-def charts(result: Result, found: Sequence[SectionMeasurement], save: Save) -> dict[str, str]:
+def charts(result: Result, found: Sequence[SectionMeasurement]) -> list[Chart]:
     flank = _flank(result)
     if flank is None:
-        return {}
-    draw_section(found[0].section, flank.gear, result.name, save)
-    return {"section.png": "Transverse section of the whole gear as cut, and one space"}
+        return []
+    draw = partial(draw_section, found[0].section, flank.gear, result.name)
+    return [Chart("section.png", "Transverse section of the whole gear as cut, and one space", draw)]
 
 
 def layers(result: Result, found: Sequence[SectionMeasurement]) -> dict[str, NDArray]:

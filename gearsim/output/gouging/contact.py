@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import partial
 from typing import Any
 
 from gearsim.gouging.choice import ContactMeasurement
 from gearsim.output.gouging.curvature import draw_curvatures
 from gearsim.output.gouging.plots import run_sheet
 from gearsim.output.gouging.words import tool_words
-from gearsim.output.saving import Save
+from gearsim.output.saving import Chart
 from gearsim.output.summary import number
 from gearsim.result import Result
 
@@ -24,11 +25,11 @@ def figures(m: ContactMeasurement) -> dict[str, Any]:
     }
 
 
-def charts(result: Result, found: Sequence[ContactMeasurement], save: Save) -> dict[str, str]:
+def charts(result: Result, found: Sequence[ContactMeasurement]) -> list[Chart]:
     tools = found[0].plotted.tools
     labels = {name: f"{name}: {tool_words(result.job.variant(name).cutter)}" for name in tools}
     sheet = run_sheet(result.name, tools, labels)
     if not sheet.plots:
-        return {}
-    draw_curvatures(sheet.plots, sheet.heading, sheet.zero, sheet.file, save)
-    return {sheet.file: "Normal curvature of tool and part over the direction at the plotted contact"}
+        return []
+    draw = partial(draw_curvatures, sheet.plots, sheet.heading, sheet.zero, sheet.file)
+    return [Chart(sheet.file, "Normal curvature of tool and part over the direction at the plotted contact", draw)]

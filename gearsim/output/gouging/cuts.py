@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import partial
 from typing import Any, cast
 
 import numpy as np
@@ -20,7 +21,7 @@ from gearsim.output.gouging.words import tool_words
 from gearsim.output.layers import outline, patch_arrays
 from gearsim.output.markdown import table, um
 from gearsim.output.presenters import slug
-from gearsim.output.saving import Save
+from gearsim.output.saving import Chart
 from gearsim.output.summary import number, worst_at
 from gearsim.result import Result
 from gearsim.surfaces.nurbs import NurbsSurface
@@ -118,11 +119,12 @@ def screen(result: Result, found: Sequence[GougingMeasurement], console: Console
         )
 
 
-def charts(result: Result, found: Sequence[GougingMeasurement], save: Save) -> dict[str, str]:
+def charts(result: Result, found: Sequence[GougingMeasurement]) -> list[Chart]:
     labels = {m.variant: f"{m.variant}: {tool_words(m.cut.cutter)}" for m in found}
     tolerance = result.job.part.surfaces[found[0].surface].tolerance
-    draw_cuts(result.name, {m.variant: m.cut for m in found}, labels, tolerance.overcut_um if tolerance else 0.0, save)
-    return {"gouging.png": "Deviation and what made the overcut; dashed: where the tool is predicted to gouge"}
+    cuts, limit = {m.variant: m.cut for m in found}, tolerance.overcut_um if tolerance else 0.0
+    caption = "Deviation and what made the overcut; dashed: where the tool is predicted to gouge"
+    return [Chart("gouging.png", caption, partial(draw_cuts, result.name, cuts, labels, limit))]
 
 
 def maps(result: Result, found: Sequence[GougingMeasurement]) -> dict[str, dict[str, dict[str, NDArray]]]:

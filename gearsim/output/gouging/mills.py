@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -12,7 +13,7 @@ from rich.console import Console
 from gearsim.gouging.choice import MillMeasurement, SizeChoice
 from gearsim.output.gouging.charts import draw_sizes
 from gearsim.output.gouging.words import size_notes, whole_figures, whole_section
-from gearsim.output.saving import Save
+from gearsim.output.saving import Chart
 from gearsim.output.summary import number
 from gearsim.result import Result
 
@@ -46,11 +47,11 @@ def size_section(sizes: dict[str, Any]) -> str:
     return whole_section(sizes) + spread
 
 
-def charts(result: Result, found: Sequence[MillMeasurement], save: Save) -> dict[str, str]:
+def charts(result: Result, found: Sequence[MillMeasurement]) -> list[Chart]:
     sizes = found[0].sizes
     notes = size_notes(sizes.whole, sizes.place)
-    draw_sizes(sizes, f"{result.name}: largest mill of the catalogue", notes, "tool_size.png", save)
-    return {"tool_size.png": "The largest mill of the catalogue that does not gouge, point by point"}
+    draw = partial(draw_sizes, sizes, f"{result.name}: largest mill of the catalogue", notes, "tool_size.png")
+    return [Chart("tool_size.png", "The largest mill of the catalogue that does not gouge, point by point", draw)]
 
 
 def maps(_: Result, found: Sequence[MillMeasurement]) -> dict[str, dict[str, dict[str, NDArray]]]:

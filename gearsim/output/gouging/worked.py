@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import partial
 from typing import Any
 
 from rich.console import Console
@@ -12,7 +13,7 @@ from gearsim.output.gouging.charts import draw_flat_rule
 from gearsim.output.gouging.curvature import draw_curvatures
 from gearsim.output.gouging.plots import example_sheets
 from gearsim.output.markdown import table
-from gearsim.output.saving import Save
+from gearsim.output.saving import Chart
 from gearsim.result import Result
 
 
@@ -38,19 +39,22 @@ def worked_section(worked: dict[str, Any]) -> str:
     )
 
 
-def charts(_: Result, found: Sequence[WorkedMeasurement], save: Save) -> dict[str, str]:
+def charts(_: Result, found: Sequence[WorkedMeasurement]) -> list[Chart]:
     """Curvature pictures of the worked examples, where they are all the job is about."""
-    captions: dict[str, str] = {}
     if not found[0].drawn:
-        return captions
-    for sheet in example_sheets(found[0].sections):
-        if sheet.plots:
-            draw_curvatures(sheet.plots, sheet.heading, sheet.zero, sheet.file, save)
-            captions[sheet.file] = f"{sheet.heading}: normal curvature of tool and part, gouging directions shaded"
+        return []
+    offered = [
+        Chart(
+            sheet.file, f"{sheet.heading}: normal curvature of tool and part, gouging directions shaded",
+            partial(draw_curvatures, sheet.plots, sheet.heading, sheet.zero, sheet.file),
+        )
+        for sheet in example_sheets(found[0].sections)
+        if sheet.plots
+    ]  # fmt: skip
     if "6.3" in found[0].sections:
-        draw_flat_rule(save)
-        captions["flat-end-mill.png"] = "Khan 6.3: the largest flat end mill in a bowl, as printed and rightly"
-    return captions
+        caption = "Khan 6.3: the largest flat end mill in a bowl, as printed and rightly"
+        offered.append(Chart("flat-end-mill.png", caption, draw_flat_rule))
+    return offered
 
 
 def screen(_: Result, found: Sequence[WorkedMeasurement], console: Console) -> None:
