@@ -1,4 +1,4 @@
-"""Maps over a surface's parameters: deviation and cause of overcut of every tool, and the largest usable mill."""
+"""Maps over a surface's parameters: deviation and cause of overcut of every tool; the rule for flat end mills."""
 
 from __future__ import annotations
 
@@ -9,7 +9,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gearsim.gouging.attribution import Cause
-from gearsim.gouging.choice import SizeChoice
 from gearsim.gouging.inspection import ToolCut
 from gearsim.metrology.samples import SampleGrid
 from gearsim.output.charts import pyplot
@@ -90,33 +89,6 @@ def _predicted(axis: Any, grid: SampleGrid, cut: ToolCut) -> bool:
         return False
     axis.contour(grid.length, grid.height, least, levels=[-1e-9], colors="k", linewidths=1.4, linestyles="--")
     return True
-
-
-def draw_sizes(sizes: SizeChoice, title: str, notes: list[str], name: str, save: Save) -> None:
-    """tool_size.png: shank and corner radius of the largest mill at every point."""
-    plt = pyplot()
-    figure, axes = plt.subplots(1, 2, figsize=(13.0, 6.0), constrained_layout=True)
-    for axis, values, what in ((axes[0], sizes.shank, "shank radius R"), (axes[1], sizes.corner, "corner radius r")):
-        x, y = _axes(axis, sizes.grid)
-        known = np.unique(values[np.isfinite(values)])
-        axis.set_facecolor("#d9d9d9")
-        if len(known):
-            low, high = float(known[0]), float(known[-1])
-            spread = max(high - low, 1e-3 * high, 1e-6)
-            image = axis.pcolormesh(x, y, values, cmap="viridis", vmin=high - spread, vmax=high, shading="nearest",
-                                    rasterized=True)  # fmt: skip
-            if len(known) > 1:
-                bar = figure.colorbar(image, ax=axis, label="mm")
-                if len(known) <= 12:
-                    bar.set_ticks(list(known))
-            span = f"{low:g} to {high:g} mm" if high > low else f"{high:g} mm everywhere"
-        else:
-            span = "no mill fits anywhere"
-        axis.set_title(f"{what}: {span}", fontsize=11)
-        if not np.isfinite(values).all() and len(known):
-            axis.text(0.02, 0.02, "grey: none fits", transform=axis.transAxes, fontsize=9, color="0.25")
-    figure.suptitle(f"{title}\n" + "\n".join(notes), fontsize=11)
-    save(figure, name)
 
 
 def draw_flat_rule(save: Save) -> None:

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from rich.console import Console
 
 from gearsim.gouging.choice import MillMeasurement, SizeChoice
-from gearsim.output.gouging.charts import draw_sizes
+from gearsim.output.gouging.mill_map import draw_sizes
 from gearsim.output.gouging.words import size_notes, whole_figures, whole_section
 from gearsim.output.saving import Chart
 from gearsim.output.summary import number
