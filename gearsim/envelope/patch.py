@@ -14,6 +14,7 @@ from gearsim.geometry.grazing import Grazing
 from gearsim.geometry.jets import Curvature
 from gearsim.motion.sources import MotionSource
 from gearsim.surfaces.blank import BevelBlank
+from gearsim.surfaces.patch import Way
 
 
 @dataclass(frozen=True)
@@ -84,6 +85,11 @@ class EnvelopePatch:
         piece, t, element, s = self.place(np.asarray(u, dtype=float), np.asarray(v, dtype=float))
         branch = np.full(len(t), self.branch)
         return EnvelopeJet(envelope_points(self.source, self.cutter, piece, t, element, s, branch))
+
+    @property
+    def ways(self) -> tuple[Way, Way]:
+        """Along the motion, and up the tool's profile."""
+        return Way("share of the motion"), Way("up the tool's profile [mm]", 0.0, float(self._ends[-1]))
 
     def locate(self, length: NDArray, height: NDArray) -> tuple[NDArray, NDArray]:
         """Parameters of fractions of the motion and of the chain's arc length."""

@@ -40,22 +40,50 @@ def chart_all(result: Result, folder: Path, wanted: Wanted, tell: Callable[[dict
 
 
 def draw_grids(result: Result, dense: Sequence[GridMeasurement], save: Save) -> None:
-    """deviation.png: one row a variant, one column a surface. What is as intended is named, not drawn."""
-    shown = [m for m in dense if not is_perfect(1e3 * m.deviation.value)]
-    perfect = [f"{m.surface} ({m.variant})" for m in dense if is_perfect(1e3 * m.deviation.value)]
+    """deviation.png: one row a variant, one column a surface. What is as intended or alike is named, not drawn."""
+    shown, told = sorted_out(dense)
     places, columns, rows = _panels(shown)
-    width, height = 4.6 * columns + 0.6, 3.0 * rows + 0.7 + 0.25 * bool(perfect)
+    width = max(4.7 * columns + 0.3, 9.7)
+    lines = [line for sentence in told for line in wrap(sentence, int(13 * width))]
+    head = 0.7 + 0.17 * len(lines)
+    height = head + 2.75 * rows
     figure = pyplot().figure(figsize=(width, height))
     for m, (row, column) in zip(shown, places, strict=True):
-        left, bottom = 0.6 + 4.6 * column, height - 2.9 - 0.25 * bool(perfect) - 3.0 * row
-        axis = figure.add_axes((left / width, bottom / height, 3.8 / width, 1.95 / height))
-        draw_heat(figure, axis, m.grid, 1e3 * m.deviation.value, f"{m.surface}, {m.variant}")
+        left, bottom = 0.65 + 4.7 * column, height - head - 2.2 - 2.75 * row
+        axis = figure.add_axes((left / width, bottom / height, 3.45 / width, 1.85 / height))
+        draw_heat(axis, m.grid, 1e3 * m.deviation.value, f"{m.surface}, {m.variant}")
     title = f"{result.name}: deviation from the intended surfaces (+ material left, − overcut)"
-    figure.text(0.6 / width, 1.0 - 0.35 / height, title, fontsize=13, weight="bold")
-    if perfect:
-        named = f"as intended to 1 nm: {', '.join(perfect)}"
-        figure.text(0.6 / width, 1.0 - 0.6 / height, "\n".join(wrap(named, int(13 * width))), fontsize=9, va="top")
+    figure.text(0.6 / width, 1.0 - 0.35 / height, title, fontsize=12, weight="bold")
+    figure.text(0.6 / width, 1.0 - 0.5 / height, "\n".join(lines), fontsize=9, va="top")
     save(figure, "deviation.png", round(max(80.0, _PIXELS / width)))
+
+
+def sorted_out(dense: Sequence[GridMeasurement]) -> tuple[list[GridMeasurement], list[str]]:
+    """What is worth a map, and sentences on what is not: surfaces as intended, or alike under an earlier variant."""
+    shown: list[GridMeasurement] = []
+    perfect, alike = [], []
+    for m in dense:
+        twin = next((s for s in shown if s.surface == m.surface and _alike(s, m)), None)
+        if is_perfect(m):
+            perfect.append(f"{m.surface} ({m.variant})")
+        elif twin is not None:
+            alike.append(f"{m.surface} under {m.variant} as under {twin.variant}")
+        else:
+            shown.append(m)
+    holes = ["there is no machined surface, or it was not measured"] if any(_has_holes(m) for m in shown) else []
+    told = (("as intended to 1 nm: ", perfect), ("the same to 1 nm, drawn once: ", alike), ("grey: ", holes))
+    return shown, [f"{what}{', '.join(names)}" for what, names in told if names]
+
+
+def _has_holes(m: GridMeasurement) -> bool:
+    return not np.isfinite(m.deviation.value).all()
+
+
+def _alike(a: GridMeasurement, b: GridMeasurement) -> bool:
+    """Whether two measurements of a surface differ by less than the eye sees, and by no more than a nanometre."""
+    one, other = a.deviation.value, b.deviation.value
+    least = min(1e-6, 1e-3 * float(np.nanmax(np.abs(one), initial=0.0)))
+    return one.shape == other.shape and np.allclose(one, other, rtol=0.0, atol=least, equal_nan=True)
 
 
 def _panels(dense: Sequence[GridMeasurement]) -> tuple[list[tuple[int, int]], int, int]:

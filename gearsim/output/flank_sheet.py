@@ -16,6 +16,7 @@ from gearsim.output.saving import Save
 
 _WIDTH, _HEIGHT = 13.0, 10.2
 _LEFT, _PANEL, _BETWEEN = 0.75, 5.35, 0.95
+_MAP = 4.75  # wide, its scale beside it
 _STEP_SHARE = 0.42  # of the rows' distance: a whisker as long as the tolerance
 _CHARACTERS = 92
 _ALIAS = 0.02  # of the tolerance: waves smaller than this do not mislead
@@ -44,7 +45,7 @@ def draw_sheet(
         x = _LEFT + k * (_PANEL + _BETWEEN)
         _whiskers(_place(figure, x, 5.0, 3.9), flank.coarse, tolerance_um, per_um)
         _words(figure, x, 4.18, flank, tolerance_um)
-        _map(figure, _place(figure, x, 0.75, 2.75), flank)
+        _map(_place(figure, x, 0.75, 2.75, _MAP), flank)
     save(figure, name)
 
 
@@ -57,8 +58,8 @@ def whisker_scale(flanks: Sequence[Sheet], tolerance_um: float) -> float:
     return _STEP_SHARE / max(tolerance_um, min(largest, 20.0 * tolerance_um), 1e-9)
 
 
-def _place(figure: Any, left: float, bottom: float, height: float) -> Any:
-    return figure.add_axes((left / _WIDTH, bottom / _HEIGHT, _PANEL / _WIDTH, height / _HEIGHT))
+def _place(figure: Any, left: float, bottom: float, height: float, width: float = _PANEL) -> Any:
+    return figure.add_axes((left / _WIDTH, bottom / _HEIGHT, width / _WIDTH, height / _HEIGHT))
 
 
 def _whiskers(axis: Any, m: GridMeasurement, tolerance_um: float, per_um: float) -> None:
@@ -155,21 +156,16 @@ def aliasing_um(flank: Sheet) -> float:
     return max(0.0, float(np.ptp(waves)) - 2.0 * float(np.ptp(seen))) if np.ptp(waves) > 0.0 else 0.0
 
 
-def _map(figure: Any, axis: Any, flank: Sheet) -> None:
+def _map(axis: Any, flank: Sheet) -> None:
     """The dense map with its extremes marked, and the inspector's points on it."""
     m, points = flank.dense, flank.coarse.grid
-    draw_heat(figure, axis, m.grid, 1e3 * m.deviation.value, f"{m.surface} flank, dense")
-    x, y = np.meshgrid(points.length, points.height)
-    scale = _face(m)
-    axis.plot(scale * x.ravel(), y.ravel(), ".", ms=2.5, color="0.2")
     um = 1e3 * m.deviation.value
+    draw_heat(axis, m.grid, um, f"{m.surface} flank, dense")
+    along, up = m.grid.patch.ways
+    x, y = np.meshgrid(along.at(points.length), up.at(points.height))
+    axis.plot(x.ravel(), y.ravel(), ".", ms=2.5, color="0.2")
     if np.isfinite(um).any():
         for pick, mark in ((np.nanargmin, "v"), (np.nanargmax, "^")):
             i, j = np.unravel_index(int(pick(um)), um.shape)
-            at = scale * m.grid.length[j], m.grid.height[i]
+            at = along.at(m.grid.length[j]), up.at(m.grid.height[i])
             axis.plot(*at, mark, mfc="none", mec="k", ms=8, mew=1.3, clip_on=False)
-
-
-def _face(m: GridMeasurement) -> float:
-    blank = m.grid.patch.blank
-    return float(blank.face_width) if blank else 1.0

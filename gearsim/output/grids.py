@@ -152,7 +152,7 @@ def charts(result: Result, found: Sequence[GridMeasurement]) -> list[Chart]:
     """inspection.png, and deviation.png: a map of every surface under every variant where anything is to be seen."""
     dense = [m for m in found if m.inspection == DENSE]
     sheet = _sheet(result, found)
-    if all(is_perfect(1e3 * m.deviation.value) for m in dense):
+    if all(map(is_perfect, dense)):
         return sheet
     caption = "Deviation maps of every surface under every motion"
     return [*sheet, Chart("deviation.png", caption, partial(draw_grids, result, dense))]

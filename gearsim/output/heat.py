@@ -2,61 +2,79 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from math import floor, log10
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import gaussian_filter1d
 
+from gearsim.metrology.grid import GridMeasurement
 from gearsim.metrology.samples import SampleGrid
 from gearsim.output.colours import DIVERGING
+from gearsim.output.contours import draw_contours
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 NOISE_UM = 1e-3
+_FONT = 8
 
 
-def is_perfect(um: NDArray) -> bool:
-    """Whether everything was measured and lies within a nanometre."""
+def is_perfect(m: GridMeasurement) -> bool:
+    """Whether everything that could be measured was, and lies within a nanometre of what is intended."""
+    um = 1e3 * m.deviation.value[m.measurable]
     return bool(um.size) and bool(np.isfinite(um).all()) and float(np.abs(um).max()) < NOISE_UM
 
 
-def draw_heat(figure: Any, axis: Axes, grid: SampleGrid, um: NDArray, what: str) -> None:
-    """A map of one surface with its range in the title; of a surface that is as intended, that sentence alone.
+def draw_heat(axis: Axes, grid: SampleGrid, um: NDArray, what: str) -> None:
+    """A map of one surface with its range in the title and its scale at the right.
 
     The contours are of the map averaged along the face, or a path's steps would fill it.
     """
-    blank = grid.patch.blank
-    along = blank.face_width if blank else 1.0
+    along, up = grid.patch.ways
     known = um[np.isfinite(um)]
     limit = max(float(np.abs(known).max(initial=0.0)), NOISE_UM)
-    axis.set_title(f"{what}: {_span(known)}", fontsize=10)
-    axis.set_xlabel("toe to heel [mm]" if blank else "along the motion [share]", fontsize=9)
-    axis.set_ylabel("root to tip [share]" if blank else "across [share]", fontsize=9)
-    if is_perfect(um):
-        axis.set(xlim=(0.0, along), ylim=(0.0, 1.0), facecolor="#eef0ee")
-        text = f"as intended, to {1e3 * float(np.abs(known).max()):.1g} nm"
-        axis.text(0.5, 0.5, text, transform=axis.transAxes, ha="center", va="center", fontsize=10, color="0.3")
-        return
-    extent = (along * grid.length[0], along * grid.length[-1], grid.height[0], grid.height[-1])
-    image = axis.imshow(
-        um, extent=extent, origin="lower", aspect="auto", cmap=DIVERGING, vmin=-limit, vmax=limit,
+    x, y = along.at(grid.length), up.at(grid.height)
+    axis.imshow(
+        um, extent=(x[0], x[-1], y[0], y[-1]), origin="lower", aspect="auto", cmap=DIVERGING, vmin=-limit, vmax=limit,
         interpolation="bilinear",
     )  # fmt: skip
-    _contours(axis, along * grid.length, grid.height, um, limit)
-    figure.colorbar(image, ax=axis, label="deviation [µm]", pad=0.02)
+    axis.set(xlim=sorted((x[0], x[-1])), ylim=(y[0], y[-1]), facecolor="0.85")
+    smooth = gaussian_filter1d(um, um.shape[1] / 40.0, axis=1, mode="nearest")
+    steps = smooth[np.isfinite(smooth)]
+    if steps.size and np.ptp(steps) > 0.2 * limit and min(um.shape) > 2:
+        draw_contours(axis, x, y, smooth)
+    axis.locator_params(nbins=4)
+    axis.tick_params(labelsize=_FONT)
+    axis.set_title(f"{what}: {span(known)}", fontsize=10, y=1.03)  # fixed: to find a place for it is slow
+    axis.set_xlabel(along.what, fontsize=9)
+    axis.set_ylabel(up.what, fontsize=9)
+    _scale(axis, limit)
 
 
-def _span(known: NDArray) -> str:
+def span(known: NDArray) -> str:
+    """The least and the largest of values [um], to three digits of the larger one."""
     if not known.size:
         return "nothing cut"
-    return f"{known.min():.3g} to {known.max():.3g} µm".replace("-", "−")
+    low, high = float(known.min()), float(known.max())
+    decimals = _decimals(max(abs(low), abs(high)))
+    low, high = (round(value, decimals) + 0.0 for value in (low, high))
+    return f"{low:.{decimals}f} to {high:.{decimals}f} µm".replace("-", "−")
 
 
-def _contours(axis: Axes, x: NDArray, y: NDArray, um: NDArray, limit: float) -> None:
-    smooth = gaussian_filter1d(um, um.shape[1] / 40.0, axis=1, mode="nearest")
-    known = smooth[np.isfinite(smooth)]
-    if known.size and np.ptp(known) > 0.2 * limit and min(um.shape) > 2:
-        lines = axis.contour(x, y, smooth, levels=5, colors="k", linewidths=0.6)
-        axis.clabel(lines, fontsize=7, fmt="%.3g", inline_spacing=2)
+def _decimals(largest: float) -> int:
+    return int(np.clip(2 - floor(log10(max(largest, NOISE_UM))), 0, 5))
+
+
+def _scale(axis: Axes, limit: float) -> None:
+    """What colours mean, beside the map: one picture and its ends' numbers, cheaper than a colour bar of its own."""
+    axis.set_autoscale_on(False)
+    axis.imshow(
+        np.linspace(-1.0, 1.0, 64)[:, None], extent=(1.02, 1.05, 0.0, 1.0), transform=axis.transAxes, origin="lower",
+        aspect="auto", cmap=DIVERGING, clip_on=False, interpolation="bilinear",
+    )  # fmt: skip
+    decimals = _decimals(limit)
+    for height, value in ((0.0, -limit), (0.5, 0.0), (1.0, limit)):
+        text = "0 µm" if value == 0.0 else f"{value:+.{decimals}f}".replace("-", "−")
+        axis.text(1.065, height, text, transform=axis.transAxes, fontsize=_FONT, va="center_baseline")

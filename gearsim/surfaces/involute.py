@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from math import cos, sin
+from math import cos, degrees, sin
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -16,6 +16,7 @@ from gearsim.geometry.pose import PoseSeries
 from gearsim.geometry.series import Series
 from gearsim.surfaces.cylindrical_gear import CylindricalGear, Side, flank_sign
 from gearsim.surfaces.flank_modification import FlankModification
+from gearsim.surfaces.patch import Way
 
 _STEEPEST = 1.45  # rad; a normal closer to the middle's direction meets it too far off to matter
 
@@ -75,6 +76,12 @@ class InvoluteFlank:
     def blank(self) -> None:
         """No blank: a surface of its own, without bounds."""
         return None
+
+    @property
+    def ways(self) -> tuple[Way, Way]:
+        """Down the facewidth, and up the profile."""
+        ends = (degrees(self.gear.root_roll), degrees(self.gear.tip_roll))
+        return Way("z along the face [mm]", 0.0, -self.gear.facewidth), Way("roll angle [°], tip up", *ends)
 
     @property
     def sign(self) -> int:

@@ -12,7 +12,7 @@ from gearsim.errors import InputError
 from gearsim.geometry.jets import Curvature, fundamental_curvature
 from gearsim.geometry.nurbs import BSplineBasis, SurfaceDerivatives, finite_numbers, surface_derivatives, surface_points
 from gearsim.surfaces.nurbs_poles import COINCIDE, PoleRefiner
-from gearsim.surfaces.patch import Jet
+from gearsim.surfaces.patch import Jet, Way
 
 _SINGULAR = 1e-12
 _ROUNDING = 1e-12
@@ -188,6 +188,11 @@ class NurbsSurface:
         with np.errstate(invalid="ignore"):
             normal *= (self.orientation / length)[:, None]
         return NurbsJet(*found, normal, tuple(limits))
+
+    @property
+    def ways(self) -> tuple[Way, Way]:
+        """Along both parameters."""
+        return Way("u [share of the domain]"), Way("v [share of the domain]")
 
     def locate(self, length: ArrayLike, height: ArrayLike) -> tuple[NDArray, NDArray]:
         """Parameters of fractions, 0 to 1, of the domain along u and along v."""

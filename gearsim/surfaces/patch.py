@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Literal, Protocol
+from typing import Literal, NamedTuple, Protocol
 
 from numpy.typing import NDArray
 
@@ -18,6 +18,24 @@ Part = Literal["flank", "fillet", "bottom"]
 def patch_name(part: Part, side: Side) -> str:
     """``convex``, ``concave`` for the working flanks; ``convex fillet``, ..., ``bottom``."""
     return {"flank": side, "fillet": f"{side} fillet", "bottom": "bottom"}[part]
+
+
+class Way(NamedTuple):
+    """A direction in which fractions of ``Patch.locate`` run: what it is, with its unit, and its ends' values."""
+
+    what: str
+    first: float = 0.0
+    last: float = 1.0
+
+    def at(self, fraction: NDArray) -> NDArray:
+        """Values at fractions, any shape."""
+        return self.first + (self.last - self.first) * fraction
+
+
+def slot_ways(blank: BevelBlank, part: Part) -> tuple[Way, Way]:
+    """Along a bevel gear's slot, and up its walls or across its bottom."""
+    up = "across the bottom [share]" if part == "bottom" else "root to tip [share]"
+    return Way("toe to heel [mm]", 0.0, blank.face_width), Way(up)
 
 
 class Jet(Protocol):
@@ -53,6 +71,11 @@ class Patch(Protocol):
     @property
     def blank(self) -> BevelBlank | None:
         """The gear blank the surface is cut into (None: a surface of its own, without bounds)."""
+        ...
+
+    @property
+    def ways(self) -> tuple[Way, Way]:
+        """What the fractions ``length`` and ``height`` of ``locate`` run along."""
         ...
 
     def jet(self, u: NDArray, v: NDArray) -> Jet: ...

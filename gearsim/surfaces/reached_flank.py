@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from math import degrees
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from gearsim.surfaces.involute import InvoluteFlank
+from gearsim.surfaces.patch import Way
 
 _OFF = 1.618e-4  # of the facewidth
 
@@ -20,6 +22,12 @@ class ReachedFlank(InvoluteFlank):
     """
 
     reached: tuple[float, float] = (0.0, 0.0)
+
+    @property
+    def ways(self) -> tuple[Way, Way]:
+        """As of the whole flank, the rolls as far as they are reached."""
+        root, tip = map(degrees, self.reached)
+        return super().ways[0], Way(super().ways[1].what, root, tip)
 
     def locate(self, length: ArrayLike, height: ArrayLike) -> tuple[NDArray, NDArray]:
         root, tip = self.reached

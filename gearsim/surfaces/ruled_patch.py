@@ -14,7 +14,7 @@ from gearsim.geometry import series
 from gearsim.geometry.jets import SurfaceJet
 from gearsim.geometry.series import Series
 from gearsim.surfaces.blank import BevelBlank
-from gearsim.surfaces.patch import Part, Side, patch_name
+from gearsim.surfaces.patch import Part, Side, Way, patch_name, slot_ways
 
 if TYPE_CHECKING:
     from gearsim.surfaces.ruled_bevel import RuledBevelTooth, Spine
@@ -36,6 +36,11 @@ class ToothPatch:
     def blank(self) -> BevelBlank:
         """The gear blank the tooth is cut into."""
         return self.tooth.blank
+
+    @property
+    def ways(self) -> tuple[Way, Way]:
+        """Along the slot, and up or across it."""
+        return slot_ways(self.blank, self.part)
 
     @property
     def parameters(self) -> tuple[str, str]:

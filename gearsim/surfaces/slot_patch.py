@@ -14,7 +14,7 @@ from gearsim.errors import InputError
 from gearsim.surfaces.blank import BevelBlank
 from gearsim.surfaces.generated import GeneratedJet, Sheet
 from gearsim.surfaces.lengthwise import mean_profile
-from gearsim.surfaces.patch import SIDES, Part, Side, patch_name
+from gearsim.surfaces.patch import SIDES, Part, Side, Way, patch_name, slot_ways
 
 _STEPS = 60
 _WALK = 12
@@ -99,6 +99,11 @@ class GeneratedPatch:
     def blank(self) -> BevelBlank:
         """The gear blank the tooth is cut into."""
         return self.tooth.blank
+
+    @property
+    def ways(self) -> tuple[Way, Way]:
+        """Along the slot, and up or across it."""
+        return slot_ways(self.blank, self.part)
 
     @property
     def parameters(self) -> tuple[str, str]:

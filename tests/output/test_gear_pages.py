@@ -1,7 +1,5 @@
 """Gear charts: every page is drawn, at any size of deviation, and no two texts lie over each other."""
 
-from itertools import combinations
-
 import numpy as np
 import pytest
 
@@ -15,40 +13,7 @@ from gearsim.output.gear.topography import draw_topography
 from gearsim.output.gear.traces import draw_traces
 from gearsim.output.saving import Save
 from tests.metrology.gears import gear_of, inspection
-
-
-@pytest.fixture
-def texts(monkeypatch):
-    """Texts of the figures that are saved, as [(text, box in pixels)]; the file is not written."""
-    from matplotlib.figure import Figure
-    from matplotlib.text import Text
-
-    seen = []
-
-    def look(figure, file, **_):
-        figure.draw_without_rendering()
-        unseen = set()
-        for axis in (axis for axes in figure.axes for axis in (axes.xaxis, axes.yaxis)):
-            low, high = sorted(axis.get_view_interval())
-            unseen |= {t.label1 for t in axis.get_major_ticks() if not low <= t.get_loc() <= high}
-            unseen |= {t.label2 for t in axis.get_major_ticks() if not low <= t.get_loc() <= high}
-        shown = [t for t in figure.findobj(Text) if t.get_visible() and t.get_text().strip() and t not in unseen]
-        seen.append([(t.get_text(), t.get_window_extent()) for t in shown])
-        page = figure.bbox
-        outside = [t for t, b in seen[-1] if min(b.x0, b.y0) < 0 or b.x1 > page.x1 or b.y1 > page.y1]
-        assert not outside
-
-    monkeypatch.setattr(Figure, "savefig", look)
-    return seen
-
-
-def overlaps(page):
-    """Pairs of texts whose boxes share more than a pixel both ways."""
-    for (a, p), (b, q) in combinations(page, 2):
-        across = min(p.x1, q.x1) - max(p.x0, q.x0)
-        if across > 1.0 and min(p.y1, q.y1) - max(p.y0, q.y0) > 1.5:
-            yield a, b
-
+from tests.output.pages import overlaps
 
 CASES = [(15, 10.0, 1.0), (-30, -10.0, 1e-3), (15, 0.0, 8.0)]
 

@@ -12,6 +12,7 @@ from scipy.ndimage import gaussian_filter1d
 
 from gearsim.metrology.gear_inspection import FlankMap
 from gearsim.output.charts import pyplot
+from gearsim.output.contours import draw_contours
 from gearsim.output.gear.style import (
     NOISE_UM,
     OUT,
@@ -77,8 +78,7 @@ def _heat(axis: Any, flank: FlankMap, gear: CylindricalGear, unit: Unit, largest
     smooth = gaussian_filter1d(shown, shown.shape[1] / 40.0, axis=1, mode="nearest")
     known = smooth[np.isfinite(smooth)]
     if known.size and np.ptp(known) > 0.2 * limit:
-        lines = axis.contour(flank.z, angle, smooth, levels=7, colors="k", linewidths=0.7)
-        axis.clabel(lines, fontsize=8, fmt="%.3g")
+        draw_contours(axis, flank.z, angle, smooth)
     axis.set_facecolor("0.85")
     if flank.position[0] > flank.position[-1]:
         axis.set_ylim(angle.max(), angle.min())
