@@ -1,4 +1,4 @@
-"""3D pictures with PyVista: meshes of measured patches, a white scene, blanks, toolpaths, envelopes."""
+"""3D pictures with PyVista: meshes of measured patches, blanks, toolpaths, envelopes."""
 
 from __future__ import annotations
 
@@ -8,9 +8,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-_SIZE = (1400, 1000)
-STEEL = "#b8bec6"
-COLOURS = {"convex": "#d1495b", "concave": "#2e6f95"}
+from gearsim.output.view import STEEL, add_legend, aim, plotter_with, segments
+
+COLOURS = {"convex": "#e09f3e", "concave": "#4f8f79"}  # of passes; not those of overcut and excess
+_MATE = "#d8b26e"
+_LOWER = 0.45  # of the envelope, so that the slot is seen
 
 
 def patch_meshes(data: dict[str, NDArray]) -> dict[str, Any]:
@@ -47,24 +49,6 @@ def quads(points: NDArray, values: dict[str, NDArray]) -> Any:
     return mesh.clean()
 
 
-def plotter_with(views: int = 1) -> Any:
-    """A white off-screen scene with views side by side."""
-    import pyvista as pv
-
-    plotter = pv.Plotter(off_screen=True, window_size=list(_SIZE), shape=(1, views), border=False)
-    plotter.set_background("white")
-    return plotter
-
-
-def look_into_slot(plotter: Any, centre: NDArray, data: dict[str, NDArray], distance: float) -> None:
-    """Look into the slot from above, a little from the heel and from the side."""
-    up = data["view:up"]
-    along = data["view:along"] - (data["view:along"] @ up) * up
-    along /= np.linalg.norm(along)
-    eye = centre + distance * (0.85 * up + 0.75 * along + 0.25 * np.cross(up, along))
-    plotter.camera_position = [tuple(eye), tuple(centre), tuple(up)]
-
-
 def _turned(polygon: NDArray, start: float, end: float) -> Any:
     """A polygon (radius, z) turned about z from one angle to another [deg], with its end faces."""
     import pyvista as pv
@@ -80,21 +64,34 @@ def _turned(polygon: NDArray, start: float, end: float) -> Any:
 
 
 def draw_blanks(data: dict[str, NDArray], _: dict[str, Any], file: Path) -> None:
-    """Gear and pinion blank in mesh, part of the gear cut away."""
+    """The part's blank and its mate's in mesh, a part of the first cut away."""
     plotter = plotter_with()
     shade = {"smooth_shading": True, "split_sharp_edges": True}
-    plotter.add_mesh(_turned(data["part:polygon"], -150.0, 150.0), color=STEEL, **shade)
-    pinion = _turned(data["mate:polygon"], 0.0, 360.0).rotate_y(90.0, inplace=False)
-    plotter.add_mesh(pinion, color="#d8b26e", **shade)
-    plotter.camera_position = [(-160.0, -200.0, -190.0), (0.0, 0.0, 22.0), (0.0, 0.0, -1.0)]
-    plotter.camera.zoom(1.0)
+    part = _turned(data["part:polygon"], -150.0, 150.0)
+    mate = _turned(data["mate:polygon"], 0.0, 360.0).rotate_y(90.0, inplace=False)
+    plotter.add_mesh(part, color=STEEL, **shade)
+    plotter.add_mesh(mate, color=_MATE, **shade)
+    add_legend(plotter, {"the part's blank": STEEL, "its mate's": _MATE})
+    points = np.concatenate([part.points, mate.points])
+    aim(plotter, points, (-160.0, -200.0, -212.0), (0.0, 0.0, -1.0), "blanks in mesh, a part cut away")
     plotter.screenshot(str(file))
 
 
-def _add_slot(plotter: Any, surfaces: dict[str, Any], without: str = "") -> None:
-    for name, surface in surfaces.items():
-        if name != without:
-            plotter.add_mesh(surface, color=STEEL, smooth_shading=True)
+def _add_slot(plotter: Any, surfaces: dict[str, Any], without: str = "") -> NDArray:
+    """The slot in steel; its points."""
+    import pyvista as pv
+
+    slot = pv.merge([s for name, s in surfaces.items() if name != without], merge_points=False)
+    plotter.add_mesh(slot, color=STEEL, smooth_shading=True, ambient=0.3)
+    return np.asarray(slot.points)
+
+
+def into_slot(data: dict[str, NDArray]) -> tuple[NDArray, NDArray]:
+    """The way to an eye above the slot, a little from the heel and from the side; and up."""
+    up = data["view:up"]
+    along = data["view:along"] - (data["view:along"] @ up) * up
+    along /= np.linalg.norm(along)
+    return 0.85 * up + 0.75 * along + 0.25 * np.cross(up, along), up
 
 
 def draw_toolpaths(data: dict[str, NDArray], surfaces: dict[str, Any], file: Path) -> None:
@@ -105,13 +102,14 @@ def draw_toolpaths(data: dict[str, NDArray], surfaces: dict[str, Any], file: Pat
     length = 0.6 * float(data["cutter:height"])
     for view, side in enumerate(("convex", "concave")):
         plotter.subplot(0, view)
-        _add_slot(plotter, surfaces)
+        slot = _add_slot(plotter, surfaces)
         tip, axis = data[f"path:{side}:tip"], data[f"path:{side}:axis"]
         plotter.add_mesh(pv.lines_from_points(tip), color="black", line_width=4)
-        for a, b in zip(tip, tip + length * axis, strict=True):
-            plotter.add_mesh(pv.Line(a, b), color=COLOURS[side], line_width=3)
-        plotter.add_text(f"pass for the {side} flank", color="black", font_size=12)
-        look_into_slot(plotter, data["view:centre"], data, 108.0)
+        plotter.add_mesh(segments(tip, tip + length * axis), color=COLOURS[side], line_width=3)
+        axes = f"tool axes, {length:.3g} mm from the tip, {len(tip)} places"
+        add_legend(plotter, {axes: COLOURS[side], "path of the tool's tip": "black", "machined slot": STEEL})
+        points = np.concatenate([slot, tip, tip + length * axis])
+        aim(plotter, points, *into_slot(data), f"pass for the {side} flank")
     plotter.screenshot(str(file))
 
 
@@ -120,13 +118,15 @@ def draw_envelopes(data: dict[str, NDArray], surfaces: dict[str, Any], file: Pat
     plotter = plotter_with(views=2)
     for view, side in enumerate(("convex", "concave")):
         plotter.subplot(0, view)
-        _add_slot(plotter, surfaces, without=side)
+        shown = [_add_slot(plotter, surfaces, without=side)]
         for branch in ("plus", "minus"):
             points = data[f"envelope:{side}:{branch}"]
-            points = points[:, : max(2, int(0.45 * points.shape[1]))]
+            points = points[:, : max(2, int(_LOWER * points.shape[1]))]
             mesh = quads(points, {})
-            plotter.add_mesh(mesh, color=COLOURS[side], opacity=0.6, smooth_shading=True)
+            plotter.add_mesh(mesh, color=COLOURS[side], opacity=0.6, smooth_shading=True, ambient=0.3)
             plotter.add_mesh(mesh.extract_feature_edges(60.0), color="black", line_width=2)
-        plotter.add_text(f"envelope of the {side} flank's pass", color="black", font_size=12)
-        look_into_slot(plotter, data["view:centre"], data, 88.0)
+            shown.append(points.reshape(-1, 3))
+        envelope = f"the envelope's lower {100.0 * _LOWER:.0f} %"
+        add_legend(plotter, {envelope: COLOURS[side], "its border": "black", "the slot's other surfaces": STEEL})
+        aim(plotter, np.concatenate(shown), *into_slot(data), f"envelope of the {side} flank's pass, both branches")
     plotter.screenshot(str(file))

@@ -9,15 +9,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gearsim.output.colours import DIVERGING
-from gearsim.output.draw import STEEL, plotter_with, quads
+from gearsim.output.draw import quads
+from gearsim.output.view import DEVIATION, STEEL, add_colours, aim, plotter_with
 
 _NEIGHBOURS = 1
 _COARSER = 6
 _LIGHT = {"ambient": 0.35, "diffuse": 0.65}
-_BAR = {
-    "color": "black", "fmt": "%.3g", "title_font_size": 18, "label_font_size": 16, "width": 0.6, "height": 0.05,
-    "position_x": 0.2, "position_y": 0.03,
-}  # fmt: skip
 
 
 def draw_tooth(data: dict[str, NDArray], surfaces: dict[str, Any], file: Path) -> None:
@@ -32,16 +29,17 @@ def draw_tooth(data: dict[str, NDArray], surfaces: dict[str, Any], file: Path) -
         for name in names:
             plotter.add_mesh(
                 surfaces[name].copy(), scalars="deviation_um", cmap=DIVERGING, clim=(-limit, limit), nan_color="black",
-                scalar_bar_args=_BAR | {"title": "deviation [um], + material left" + " " * view}, **_LIGHT,
+                show_scalar_bar=False, **_LIGHT,
             )  # fmt: skip
         shown = names[0] if way > 0.0 else names[-1]
         plotter.add_point_labels(
             _middle(data, shown)[None], [shown], font_size=15, text_color="black", shape=None, show_points=False,
             always_visible=True,
         )  # fmt: skip
+        add_colours(plotter, limit, DEVIATION)
+        points = np.concatenate([body.points, *(surfaces[name].points for name in names)])
         span = str(data["tooth:span"])
-        plotter.add_text(f"onto the {shown} flank; {span}", color="black", font_size=10)
-        _look(plotter, data, names, way)
+        aim(plotter, points, *_ways(data, names, way), f"onto the {shown} flank; neighbours in grey; {span}")
     plotter.screenshot(str(file))
 
 
@@ -96,15 +94,12 @@ def _turned(points: NDArray, angle: float) -> NDArray:
     return points @ np.array([[c, s, 0.0], [-s, c, 0.0], [0.0, 0.0, 1.0]])
 
 
-def _look(plotter: Any, data: dict[str, NDArray], names: list[str], way: float) -> None:
-    """Along the slot from the heel, from above and from the side of the flank that is not looked at."""
+def _ways(data: dict[str, NDArray], names: list[str], way: float) -> tuple[NDArray, NDArray]:
+    """The way to the eye, from the heel, from above and from the side of the flank not looked at; and up."""
     up = data["view:up"]
     along = data["view:along"] - (data["view:along"] @ up) * up
-    size = float(np.linalg.norm(along))
-    along = along / size
+    along = along / np.linalg.norm(along)
     across = _middle(data, names[-1]) - _middle(data, names[0])
     across = across - (across @ up) * up - (across @ along) * along
     across = across / max(float(np.linalg.norm(across)), 1e-12)
-    centre = data["view:centre"] - 0.08 * size * up
-    eye = centre + 3.4 * size * (0.62 * up + 0.45 * along + 0.64 * way * across)
-    plotter.camera_position = [tuple(eye), tuple(centre), tuple(up)]
+    return 0.62 * up + 0.45 * along + 0.64 * way * across, up

@@ -8,9 +8,10 @@ from gearsim.metrology.roughness import measure_roughness
 from gearsim.output.gear.pitch import draw_pitch
 from gearsim.output.gear.roughness import draw_roughness
 from gearsim.output.gear.sheet import inspection_sheet
-from gearsim.output.gear.style import evenly, round_below, unit_for
+from gearsim.output.gear.style import evenly, unit_for
 from gearsim.output.gear.topography import draw_topography
 from gearsim.output.gear.traces import draw_traces
+from gearsim.output.rounding import round_below
 from gearsim.output.saving import Save
 from tests.metrology.gears import gear_of, inspection
 from tests.output.pages import overlaps

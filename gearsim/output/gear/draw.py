@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from math import ceil
 from pathlib import Path
 from typing import Any
 
@@ -9,28 +10,30 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import gaussian_filter
 
-from gearsim.output.draw import STEEL, plotter_with
+from gearsim.output.colours import DIVERGING
 from gearsim.output.draw_swept import tool_skin
 from gearsim.output.gear.style import NOISE_UM, unit_for
+from gearsim.output.view import DEVIATION, STEEL, add_colours, add_legend, aim, plotter_with
 
-_LEVELS = 25
+_TURN = np.radians(2.0)
 _LIFT = 0.03  # mm out of the tri-dexel's surface, so that the measured flanks are not drawn inside it
 _TOOL = "#d8b26e"
 _LIGHT = {"ambient": 0.35, "diffuse": 0.65, "smooth_shading": True, "split_sharp_edges": True}
-_BAR = {"color": "black", "fmt": "%.3g", "title_font_size": 20, "label_font_size": 18, "width": 0.7, "position_x": 0.15}
 
 
 def draw_gear(data: dict[str, NDArray], surfaces: dict[str, Any], file: Path) -> None:
     """The whole gear with the tool in space 0 at the left; space 0 with its measured flanks at the right."""
-    plotter = plotter_with(views=2)
-    plotter.window_size = [1800, 900]
+    plotter = plotter_with(views=2, size=(1300, 700))
     plotter.subplot(0, 0)
-    plotter.add_mesh(_gear_body(data), color=STEEL, **_LIGHT)
-    plotter.add_mesh(tool_skin(data["gear:profile"], data["gear:tip"], data["gear:axis"]), color=_TOOL, **_LIGHT)
-    way = "helix" if data["gear:twist"] else "axis"
-    plotter.add_text(f"the section as cut, carried along the {way}, and the tool", color="black", font_size=10)
-    size = float(np.ptp(data["section:x"]))
-    _look(plotter, np.array([0.0, 0.0, -0.5 * float(data["gear:facewidth"])]), data, 2.0 * size)
+    skin, ends = _gear_body(data)
+    tool = tool_skin(data["gear:profile"], data["gear:tip"], data["gear:axis"])
+    plotter.add_mesh(skin, color=STEEL, **_LIGHT)
+    plotter.add_mesh(ends, color=STEEL, ambient=0.35, diffuse=0.65)
+    plotter.add_mesh(tool, color=_TOOL, **_LIGHT)
+    add_legend(plotter, {"the gear": STEEL, "the tool": _TOOL})
+    carried = "helix" if data["gear:twist"] else "axis"
+    text = f"the section as cut, carried along the {carried}, and the tool"
+    aim(plotter, np.concatenate([skin.points, tool.points]), *_ways(data), text)
     plotter.subplot(0, 1)
     _add_space(plotter, data, surfaces)
     plotter.screenshot(str(file))
@@ -55,48 +58,61 @@ def _add_space(plotter: Any, data: dict[str, NDArray], surfaces: dict[str, Any])
         lifted.points = mesh.points + _LIFT * mesh["intended_normal"]
         lifted["shown"] = unit.per_um * mesh["deviation_um"]
         plotter.add_mesh(
-            lifted, scalars="shown", cmap="RdBu_r", clim=(-limit, limit), ambient=0.4, diffuse=0.6,
-            nan_color="black", scalar_bar_args=_BAR | {"title": unit.name.replace("µ", "u")},
+            lifted, scalars="shown", cmap=DIVERGING, clim=(-limit, limit), ambient=0.4, diffuse=0.6,
+            nan_color="black", show_scalar_bar=False,
         )  # fmt: skip
-    text = "space 1 (tri-dexel) and its measured flanks: + material left, - overcut"
-    plotter.add_text(text, color="black", font_size=10)
-    middle, extent = np.asarray(body.center), np.array(body.bounds).reshape(3, 2)
-    _look(plotter, middle, data, 2.1 * float(np.linalg.norm(np.ptp(extent, axis=1))))
+    add_colours(plotter, limit, DEVIATION.replace("um", unit.name.replace("µ", "u")))
+    aim(plotter, np.asarray(body.points), *_ways(data), "space 1 (tri-dexel) and its measured flanks")
 
 
-def _look(plotter: Any, centre: NDArray, data: dict[str, NDArray], distance: float) -> None:
-    """Look at space 0 from above and from where it opens, a little from the side."""
-    way = np.array([0.62 * float(data["gear:sign"]), -0.35, 0.7])
-    plotter.camera_position = [tuple(centre + distance * way), tuple(centre), (0.0, 0.0, 1.0)]
+def _ways(data: dict[str, NDArray]) -> tuple[NDArray, tuple[float, float, float]]:
+    """The way to an eye above and where space 0 opens, a little from the side; and up."""
+    return np.array([0.62 * float(data["gear:sign"]), -0.35, 0.7]), (0.0, 0.0, 1.0)
 
 
-def _gear_body(data: dict[str, NDArray]) -> Any:
-    """The section between the faces, turned along the helix: both faces and the skin between them."""
+def _gear_body(data: dict[str, NDArray]) -> tuple[Any, Any]:
+    """The section between the faces, turned along the helix: the skin and both faces."""
     import pyvista as pv
 
-    face = _face(data)
-    edge = face.extract_feature_edges(
-        boundary_edges=True, non_manifold_edges=False, feature_edges=False, manifold_edges=False
-    )
+    face, edge = _face(data)
     lines = edge.lines.reshape(-1, 3)[:, 1:]
-    levels = np.linspace(0.0, -float(data["gear:facewidth"]), _LEVELS)
+    levels = np.linspace(0.0, -float(data["gear:facewidth"]), _levels(data))
     rings = np.stack([_at(edge.points, z, data) for z in levels])
     n = len(edge.points)
-    upper = (np.arange(_LEVELS - 1)[:, None, None] * n + lines).reshape(-1, 2)
+    upper = (np.arange(len(levels) - 1)[:, None, None] * n + lines).reshape(-1, 2)
     strips = np.column_stack([np.full(len(upper), 4), upper, upper[:, ::-1] + n])
     skin = pv.PolyData(rings.reshape(-1, 3), strips.ravel())
     ends = [pv.PolyData(_at(face.points, z, data), face.faces) for z in levels[[0, -1]]]
-    return pv.merge([skin, *ends], merge_points=False).extract_surface(algorithm=None)
+    return skin, pv.merge(ends, merge_points=False)
 
 
-def _face(data: dict[str, NDArray]) -> Any:
-    """The section as a flat mesh: where the share of material, smoothed by a cell, is over a half."""
+def _levels(data: dict[str, NDArray]) -> int:
+    """Rings of the skin: one for every few degrees that the helix turns."""
+    turn = abs(float(data["gear:twist"]) * float(data["gear:facewidth"]))
+    return 2 + ceil(turn / _TURN)
+
+
+def _face(data: dict[str, NDArray]) -> tuple[Any, Any]:
+    """The section as a flat mesh, where the share of material, smoothed by a cell, is over a half; and its edge.
+
+    Cells that are whole are joined along their rows: a face has some thousands of polygons, not some hundred thousands.
+    """
     import pyvista as pv
 
+    x, y = data["section:x"], data["section:y"]
     share = gaussian_filter(data["section:share"], 0.8)
-    grid = pv.StructuredGrid(*np.meshgrid(data["section:x"], data["section:y"], [0.0], indexing="ij"))
-    grid["share"] = share.T.ravel(order="F")
-    return grid.clip_scalar(scalars="share", value=0.5, invert=False).extract_surface(algorithm=None).triangulate()
+    grid = pv.StructuredGrid(*np.meshgrid(x, y, [0.0], indexing="ij"))
+    grid["share"] = share.ravel()
+    inside = share > 0.5
+    corners = np.stack([inside[:-1, :-1], inside[1:, :-1], inside[1:, 1:], inside[:-1, 1:]])
+    whole, cut = corners.all(axis=0), corners.any(axis=0) & ~corners.all(axis=0)
+    border = grid.extract_cells(np.flatnonzero(cut.ravel())).clip_scalar(scalars="share", value=0.5, invert=False)
+    steps = np.diff(np.pad(whole, ((0, 0), (1, 1))).astype(int), axis=1)
+    (row, first), (_, last) = np.nonzero(steps == 1), np.nonzero(steps == -1)
+    quads = np.stack([x[first], y[row], x[last], y[row], x[last], y[row + 1], x[first], y[row + 1]], axis=1)
+    faces = np.column_stack([np.full(len(row), 4), np.arange(4 * len(row)).reshape(-1, 4)])
+    runs = pv.PolyData(np.column_stack([quads.reshape(-1, 2), np.zeros(4 * len(row))]), faces.ravel())
+    return pv.merge([runs, border.extract_surface(algorithm=None)], merge_points=False), grid.contour([0.5], "share")
 
 
 def _at(points: NDArray, z: float, data: dict[str, NDArray]) -> NDArray:

@@ -42,12 +42,6 @@ def unit_for(values_um: ArrayLike) -> Unit:
     return Unit(name, per_um, int(np.clip(2 - floor(log10(largest * per_um)), 0, 2)))
 
 
-def round_below(value: float) -> float:
-    """The largest of 1, 2, 5 times a power of ten that is not above a value."""
-    power = 10.0 ** floor(log10(value) + 1e-9)
-    return max(k * power for k in (1.0, 2.0, 5.0) if k * power <= value * (1.0 + 1e-9))
-
-
 def round_text(unit: Unit, um: float) -> str:
     """A round length as text with its unit, like 5 µm or 0.2 nm."""
     return f"{unit.per_um * um:g} {unit.name}"

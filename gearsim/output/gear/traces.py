@@ -26,10 +26,10 @@ from gearsim.output.gear.style import (
     TRACE,
     Unit,
     evenly,
-    round_below,
     round_text,
     unit_for,
 )
+from gearsim.output.rounding import round_below
 from gearsim.output.saving import Save
 from gearsim.surfaces.cylindrical_gear import SIDES, CylindricalGear, Side
 

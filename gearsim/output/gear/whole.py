@@ -22,7 +22,7 @@ from gearsim.simulation.intervals import IntervalSet
 from gearsim.simulation.section import Section
 from gearsim.surfaces.reached_flank import ReachedFlank
 
-_ROWS = 500
+_ROWS = 300
 _SLIVER = 1e-5  # mm of material: what tools that just meet leave between them
 
 
