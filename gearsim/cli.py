@@ -171,6 +171,8 @@ def _add_verify(commands: Any) -> None:
     verify.add_argument("--seed", type=int, default=1, help="seed of the random points (default: %(default)s)")
     verify.add_argument("--limit-mm", type=_size, default=1e-9, help="largest distance error (default: %(default)s)")
     verify.add_argument("--out", type=Path, metavar="FILE", help="also write the figures as JSON to this file")
+    verify.add_argument("--plot", type=Path, metavar="FILE",
+                        help="also draw where over u and v each formula errs (.png, .svg or .pdf)")  # fmt: skip
     verify.set_defaults(command=_verify)
 
 
@@ -290,32 +292,9 @@ def _size(text: str) -> float:
 
 
 def _verify(options: argparse.Namespace) -> int:
-    if options.torture:
-        from gearsim.verify.torture.command import run_torture
+    from gearsim.verify.command import verify
 
-        return run_torture(options)
-    from gearsim.output.summary import write_json
-    from gearsim.verify.checks import Limits
-    from gearsim.verify.command import subjects_of, verify_all, verify_list, write_lists
-    from gearsim.verify.report import exit_code, print_report, summary
-
-    limits = Limits(distance_mm=options.limit_mm)
-    subjects = subjects_of(options.scenes, options.surface)
-    if options.write_points:
-        for file in write_lists(subjects, options.write_points):
-            print(f"wrote {file}")
-        return 0
-    if options.points_file:
-        reports = verify_list(subjects, options.points_file, limits)
-    else:
-        reports = verify_all(subjects, options.points, options.seed, limits)
-    print_report(reports)
-    if options.out:
-        try:
-            write_json(summary(reports, limits, options.seed), options.out)
-        except OSError as error:
-            raise InputError(f"cannot write {options.out}: {error.strerror}") from error
-    return exit_code(reports)
+    return verify(options)
 
 
 def _bench(options: argparse.Namespace) -> int:

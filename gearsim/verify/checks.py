@@ -12,6 +12,7 @@ from gearsim.geometry.jets import Curvature
 from gearsim.verify.brute_force import Least, distance_at, gradient_at, least_distance
 from gearsim.verify.closed_form import Claimed, ClosedForm
 from gearsim.verify.differences import curvature_gap, differentiate
+from gearsim.verify.error_map import ErrorMap
 
 CHECKS = ("distance", "sign", "normal", "curvature")
 SIGN_STEP = 1e-3
@@ -29,6 +30,10 @@ class Limits:
     distance_mm: float = 1e-9
     normal_rad: float = 1e-6
     curvature: float = 1e-6
+
+    def of(self, name: str) -> float:
+        """The limit of a check that has one."""
+        return {"distance": self.distance_mm, "normal": self.normal_rad, "curvature": self.curvature}[name]
 
 
 LIMITS = Limits()
@@ -59,7 +64,7 @@ class FormReport:
     """What the checks found about one surface.
 
     Of ``points`` random ones the formula has none at ``missing``; ``trimmed`` are cut away by another pose.
-    ``certain_mm`` is how much less than found the least distance could be.
+    ``certain_mm`` is how much less than found the least distance could be; ``errors`` tell of every point.
     """
 
     name: str
@@ -69,6 +74,7 @@ class FormReport:
     trimmed: int = 0
     certain_mm: float | None = None
     checks: dict[str, Check] = field(default_factory=dict)
+    errors: ErrorMap | None = field(default=None, repr=False, compare=False)
 
     @property
     def verdict(self) -> str:
@@ -83,7 +89,8 @@ def verify_form(form: ClosedForm, points: int, seed: int, limits: Limits = LIMIT
     u, v = np.random.default_rng(seed).uniform(size=(2, points))
     claimed = form.claims(u, v)
     there = claimed.there
-    report = FormReport(form.name, form.flank, points, missing=int(np.sum(~there)))
+    errors = ErrorMap(u, v, missing=~there)
+    report = FormReport(form.name, form.flank, points, missing=int(np.sum(~there)), errors=errors)
     if not there.any():
         return report
     u, v, claimed = u[there], v[there], _pick(claimed, there)
@@ -93,10 +100,12 @@ def verify_form(form: ClosedForm, points: int, seed: int, limits: Limits = LIMIT
     u, v, claimed, error = u[kept], v[kept], _pick(claimed, kept), error[kept]
     least = Least(*(c[kept] for c in least))
     report = replace(report, trimmed=int(trimmed.sum()), certain_mm=most(least.distance - least.bound))
-    checks = {"distance": check(error, limits.distance_mm, claimed.point)}
-    checks["sign"] = sign_check(form, claimed.point, claimed.normal, least)
-    checks |= _difference_checks(form, u, v, claimed, least, limits)
-    return replace(report, checks=checks)
+    sign, wrong = sides(form, claimed.point, claimed.normal, least)
+    everywhere = np.ones(len(u), dtype=bool)
+    found = {"distance": (error, everywhere), **_differences(form, u, v, claimed, least, limits)}
+    checks = {name: check(gap, limits.of(name), claimed.point, settled) for name, (gap, settled) in found.items()}
+    ordered = {name: {**checks, "sign": sign}[name] for name in CHECKS if name in (*checks, "sign")}
+    return replace(report, checks=ordered, errors=errors.known(trimmed, found, wrong))
 
 
 def _distance_error(form: ClosedForm, claimed: Claimed, least: Least, limits: Limits) -> tuple[NDArray, NDArray]:
@@ -137,18 +146,27 @@ def _slope(form: ClosedForm, claimed: Claimed) -> NDArray:
 
 
 def sign_check(form: ClosedForm, point: NDArray, normal: NDArray, least: Least) -> Check:
-    """Moved by 1 um out of the material a point must be cut, moved into it it must stay uncut.
+    """Whether normals point out of the material; see ``sides``."""
+    return sides(form, point, normal, least)[0]
+
+
+def sides(form: ClosedForm, point: NDArray, normal: NDArray, least: Least) -> tuple[Check, NDArray]:
+    """Whether normals point out of the material, and which do not, shape (n,).
+
+    Moved by 1 um out of the material a point must be cut, moved into it it must stay uncut.
 
     Points farther than 0.1 um from the machined surface say nothing about the sign and are not checked; those on
     a ridge so sharp that another pose cuts within 1 um of them are left out.
     """
     near = np.abs(least.distance) <= NEAR
+    wrong = np.zeros(len(point), dtype=bool)
     point, step, piece, t = point[near], SIGN_STEP * normal[near], least.piece[near], least.t[near]
     if not len(point):
-        return Check()
+        return Check(), wrong
     moved = np.concatenate([point + step, point - step])
     out, into = distance_at(form.motion, form.cutter, moved, np.tile(piece, 2), np.tile(t, 2)).reshape(2, -1)
     right = (out < 0.0) & (into > 0.0)
+    wrong[near] = ~right
     margin = np.minimum(-out, into)
     anywhere = least_distance(form.motion, form.cutter, (point - step)[right], _SIGN_TOLERANCE)
     ridge = np.zeros(len(point), dtype=bool)
@@ -156,27 +174,30 @@ def sign_check(form: ClosedForm, point: NDArray, normal: NDArray, least: Least) 
     margin[right] = np.minimum(margin[right], anywhere.distance)
     kept = ~ridge
     if not kept.any():
-        return Check(unsettled=len(point))
+        return Check(unsettled=len(point)), wrong
     worst = int(np.argmin(np.where(kept, margin, np.inf)))
-    failed = int(np.sum(~right))
-    return Check(int(kept.sum()), failed, int(ridge.sum()), float(margin[worst]), tuple(point[worst].tolist()))
+    place = tuple(point[worst].tolist())
+    return Check(int(kept.sum()), int(np.sum(~right)), int(ridge.sum()), float(margin[worst]), place), wrong
 
 
-def _difference_checks(
+def _differences(
     form: ClosedForm, u: NDArray, v: NDArray, claimed: Claimed, least: Least, limits: Limits
-) -> dict[str, Check]:
-    """Normals and curvatures against differences of the points; the tool tells which side is out of the material."""
-    found = differentiate(_finite(form), u, v, form.joints)
-    angle = np.linalg.norm(np.cross(found.normal, claimed.normal), axis=1)
-    settled = found.normal_error <= _SETTLED * limits.normal_rad
-    checks = {"normal": check(angle, limits.normal_rad, claimed.point, settled)}
+) -> dict[str, tuple[NDArray, NDArray]]:
+    """Errors of normals and curvatures against differences of the points, and where these settle.
+
+    The tool tells which side is out of the material.
+    """
+    ours = differentiate(_finite(form), u, v, form.joints)
+    angle = np.linalg.norm(np.cross(ours.normal, claimed.normal), axis=1)
+    settled = ours.normal_error <= _SETTLED * limits.normal_rad
+    found = {"normal": (angle, settled)}
     if claimed.curvature is not None:
         into_gear = gradient_at(form.motion, form.cutter, claimed.point, least.piece, least.t)
-        ours = _oriented(found.curvature, np.einsum("ij,ij->i", found.normal, into_gear) > 0.0)
-        settled = found.curvature_error <= _SETTLED * limits.curvature
-        gap = curvature_gap(claimed.curvature, ours)
-        checks["curvature"] = check(gap, limits.curvature, claimed.point, settled)
-    return checks
+        turned = _oriented(ours.curvature, np.einsum("ij,ij->i", ours.normal, into_gear) > 0.0)
+        settled = ours.curvature_error <= _SETTLED * limits.curvature
+        gap = curvature_gap(claimed.curvature, turned)
+        found["curvature"] = (gap, settled)
+    return found
 
 
 def _finite(form: ClosedForm) -> Callable[[NDArray, NDArray], NDArray]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable
 from dataclasses import dataclass
 
@@ -174,6 +175,11 @@ def pose_form(
         return Claimed(point, normal, None, curvature, np.full(len(u), at), np.full(len(u), piece))
 
     return ClosedForm(name, source, cutter, points, flank)
+
+
+def file_name(form: str) -> str:
+    """A form's name as part of a file's."""
+    return re.sub(r"[^a-z0-9]+", "-", form.lower().replace("+", "plus").replace("-1", "minus1")).strip("-")
 
 
 def element_name(element: Element) -> str:

@@ -2,24 +2,68 @@
 
 from __future__ import annotations
 
-import re
+import argparse
 from collections.abc import Callable, Sequence
 from functools import partial
 from pathlib import Path
 from time import perf_counter
 
 from gearsim.errors import InputError
+from gearsim.output.summary import write_json
 from gearsim.programs.point_list import read_points, write_points
 from gearsim.scene import load_scene, scene_names
 from gearsim.verify.checks import FormReport, Limits, verify_form
-from gearsim.verify.closed_form import ClosedForm
+from gearsim.verify.closed_form import ClosedForm, file_name
 from gearsim.verify.points import machined_points, verify_points
-from gearsim.verify.report import SubjectReport
+from gearsim.verify.report import SubjectReport, exit_code, print_report, summary
 from gearsim.verify.scenes import closed_forms
 from gearsim.verify.user_surface import load_surface
 
 Subjects = dict[str, list[ClosedForm]]
 GRID = (9, 33)
+
+
+def verify(options: argparse.Namespace) -> int:
+    """Check what is asked for, print and write what is found; returns the exit code."""
+    _check_plot(options)
+    if options.torture:
+        from gearsim.verify.torture.command import run_torture
+
+        return run_torture(options)
+    limits = Limits(distance_mm=options.limit_mm)
+    subjects = subjects_of(options.scenes, options.surface)
+    if options.write_points:
+        for file in write_lists(subjects, options.write_points):
+            print(f"wrote {file}")
+        return 0
+    if options.points_file:
+        reports = verify_list(subjects, options.points_file, limits)
+    else:
+        reports = verify_all(subjects, options.points, options.seed, limits)
+    print_report(reports)
+    if options.out:
+        try:
+            write_json(summary(reports, limits, options.seed), options.out)
+        except OSError as error:
+            raise InputError(f"cannot write {options.out}: {error.strerror}") from error
+    if options.plot:
+        from gearsim.verify.plot import plot_maps
+
+        print(*plot_maps(reports, limits, options.plot), sep="\n")
+    return exit_code(reports)
+
+
+def _check_plot(options: argparse.Namespace) -> None:
+    """Refuse a picture that cannot be drawn before anything is computed."""
+    if not options.plot:
+        return
+    if options.torture:
+        raise InputError("--plot draws the errors of a formula; --torture checks none")
+    if options.points_file or options.write_points:
+        raise InputError("--plot draws a formula over its parameters u and v; a point list has none")
+    from gearsim.verify.plot import check_plot
+
+    check_plot(options.plot)
 
 
 def subjects_of(scenes: Sequence[str], surface: Path | None) -> Subjects:
@@ -51,8 +95,7 @@ def write_lists(subjects: Subjects, file: Path) -> list[Path]:
     for form in _only(subjects, "--write-points")[1]:
         points = machined_points(form, *GRID)
         if len(points.point):
-            slug = re.sub(r"[^a-z0-9]+", "-", form.name.lower().replace("+", "plus").replace("-1", "minus1")).strip("-")
-            target = file.with_name(f"{file.stem}-{slug}{file.suffix}")
+            target = file.with_name(f"{file.stem}-{file_name(form.name)}{file.suffix}")
             write_points(points, target)
             written.append(target)
     return written

@@ -17,7 +17,7 @@ from gearsim.verify.checks import CHECKS, SIGN_STEP, Check, FormReport, Limits
 
 SCHEMA_VERSION = 1
 _STYLES = {"pass": "green", "fail": "bold red", "nothing": "dim"}
-_UNITS = {"distance": "mm", "sign": "mm", "normal": "rad", "curvature": "relative"}
+UNITS = {"distance": "mm", "sign": "mm", "normal": "rad", "curvature": "relative"}
 
 
 @dataclass(frozen=True)
@@ -80,7 +80,7 @@ def _check(name: str, check: Check) -> dict[str, Any]:
         "checked": check.checked,
         "failed": check.failed,
         "unsettled": check.unsettled,
-        f"worst_{_UNITS[name]}": None if check.worst is None or not isfinite(check.worst) else check.worst,
+        f"worst_{UNITS[name]}": None if check.worst is None or not isfinite(check.worst) else check.worst,
         "place_mm": check.place_mm,
     }
 
