@@ -73,15 +73,20 @@ def nowhere() -> ChartPoint:
 
 
 @wp.func
+def least_axis(v: wp.vec3d) -> wp.vec3d:
+    """The coordinate axis along which a vector is shortest, the first of equal ones."""
+    least = wp.vec3d(f64(1.0), f64(0.0), f64(0.0))
+    if wp.abs(v[1]) < wp.abs(v[0]):
+        least = wp.vec3d(f64(0.0), f64(1.0), f64(0.0))
+    if wp.abs(v[2]) < wp.min(wp.abs(v[0]), wp.abs(v[1])):
+        least = wp.vec3d(f64(0.0), f64(0.0), f64(1.0))
+    return least
+
+
+@wp.func
 def radial(axis: wp.vec3d, angle: f64) -> wp.mat33d:
     """Rows: the unit vector normal to the axis at an angle from a fixed direction's projection, and 90 deg on."""
-    fixed = wp.vec3d(f64(1.0), f64(0.0), f64(0.0))
-    least = wp.abs(axis[0])
-    if wp.abs(axis[1]) < least:
-        fixed = wp.vec3d(f64(0.0), f64(1.0), f64(0.0))
-        least = wp.abs(axis[1])
-    if wp.abs(axis[2]) < least:
-        fixed = wp.vec3d(f64(0.0), f64(0.0), f64(1.0))
+    fixed = least_axis(axis)
     x = wp.normalize(fixed - wp.dot(fixed, axis) * axis)
     y = wp.cross(axis, x)
     c = wp.cos(angle)

@@ -3,7 +3,7 @@
 import warp as wp
 
 from gearsim.kernels.approach import distance_at, distance_rate
-from gearsim.kernels.charts import ChartPoint, Place, chart_point
+from gearsim.kernels.charts import ChartPoint, Place, chart_point, least_axis
 from gearsim.kernels.exact_pose import BEYOND, ExactMotion, exact_pose
 from gearsim.kernels.meridian import Meridian
 
@@ -55,14 +55,7 @@ def finite_or_zero(x: f64) -> f64:
 @wp.func
 def across(direction: wp.vec3d) -> wp.vec3d:
     """A unit vector normal to a direction."""
-    fixed = wp.vec3d(f64(1.0), f64(0.0), f64(0.0))
-    least = wp.abs(direction[0])
-    if wp.abs(direction[1]) < least:
-        fixed = wp.vec3d(f64(0.0), f64(1.0), f64(0.0))
-        least = wp.abs(direction[1])
-    if wp.abs(direction[2]) < least:
-        fixed = wp.vec3d(f64(0.0), f64(0.0), f64(1.0))
-    return wp.normalize(wp.cross(direction, fixed))
+    return wp.normalize(wp.cross(direction, least_axis(direction)))
 
 
 @wp.func

@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 from gearsim.cutters.element import Element
 from gearsim.cutters.profile import Profile
 from gearsim.envelope.crossings import Crossings, Kind, together
+from gearsim.envelope.poses import BEYOND
 from gearsim.envelope.seeds import Seeds, distinct, edge_seeds, joined, standing_tools, with_neighbours
 from gearsim.envelope.swept import Chart, Guess, Solved, Swept
 from gearsim.geometry.rays import RayBundle
@@ -15,7 +16,6 @@ from gearsim.kernels.crossing import Rays
 
 _WALKS = 8
 _STEPS = 30
-_BEYOND = 0.5
 _JOINT_SLACK = 1e-3
 _EDGE_SLACK = 1e-9
 _WIDE = 8.0
@@ -60,7 +60,7 @@ class Candidates:
         walked = self.swept.solve(loaded, Chart.ENVELOPE, seeds, _WALKS, walk=True).at
         if closest is not None:
             walked = joined([closest[0], walked])
-        guess = distinct(with_neighbours(walked, pieces, _BEYOND), thorough)
+        guess = distinct(with_neighbours(walked, pieces, BEYOND), thorough)
         solved = self.swept.solve(loaded, Chart.ENVELOPE, guess, _STEPS)
         at = solved.at
         early, late = ~solved.settled | (at.t < _JOINT_SLACK), ~solved.settled | (at.t > 1.0 - _JOINT_SLACK)
@@ -99,7 +99,7 @@ class Candidates:
     def _solve_angles(self, loaded: Rays, chart: Chart, seeds: Guess) -> Solved:
         """Newton's method on a chart over (t, angle about the axis)."""
         cutter = self.swept.cutter
-        guess = with_neighbours(seeds, self.swept.source.pieces, _BEYOND)
+        guess = with_neighbours(seeds, self.swept.source.pieces, BEYOND)
         guess = distinct(guess, fine=True, scale=max(1.0, cutter.max_radius / _WIDE))
         return self.swept.solve(loaded, chart, guess, _STEPS)
 

@@ -15,9 +15,11 @@ from numpy.typing import NDArray
 
 from gearsim.errors import NumericalError
 from gearsim.geometry.grazing import AT_REST
+from gearsim.kernels import exact_pose
 from gearsim.motion.sources import MotionSource
 
-BEYOND = 0.5
+BEYOND = float(exact_pose.BEYOND)
+
 _NODES = 9
 _FINEST = 10
 _ROUNDING = 4e-15
