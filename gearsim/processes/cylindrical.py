@@ -26,8 +26,8 @@ from gearsim.processes.settings import settings
 from gearsim.programs.gcode import Program, ReadSettings, read_program
 from gearsim.programs.post import write_program
 from gearsim.programs.post_options import Header
-from gearsim.scene import GenerationMillingScene, scene_table
-from gearsim.scene.generation_milling import ErrorsTable
+from gearsim.scene import CylindricalGearScene, scene_table
+from gearsim.scene.cylindrical import ErrorsTable
 from gearsim.simulation.disturbance import Disturbance
 from gearsim.simulation.operation import Variant
 from gearsim.surfaces.cylindrical_gear import SIDES, CylindricalGear, Side
@@ -48,7 +48,7 @@ _CONVENTIONS = {
 }
 
 
-def plan(scene: GenerationMillingScene, folder: Path) -> Job:
+def plan(scene: CylindricalGearScene, folder: Path) -> Job:
     """Plan and post a scene's gear and read the program back; or read the user's own, relative to ``folder``.
 
     Raises InputError where the gear cannot be cut this way or has no tolerances, or for a program that cannot be read
@@ -95,7 +95,7 @@ def disturbance(errors: ErrorsTable) -> Disturbance:
 
 
 def _program(
-    scene: GenerationMillingScene, folder: Path, gear: CylindricalGear, machine: Machine, steps: tuple[Settings, ...]
+    scene: CylindricalGearScene, folder: Path, gear: CylindricalGear, machine: Machine, steps: tuple[Settings, ...]
 ) -> tuple[Program, str]:
     """The program that is cut, and its text."""
     reading = ReadSettings(workpiece=scene.program.work_offset, tools=tuple(t.number for t in scene.tools))
@@ -110,7 +110,7 @@ def _program(
     return read_program(text, machine, settings=reading), text
 
 
-def _part(scene: GenerationMillingScene, probed: ProbedGear) -> Part:
+def _part(scene: CylindricalGearScene, probed: ProbedGear) -> Part:
     tolerance = Tolerance.both(scene.metrology.tolerance_um)
     flanks = {
         side: Intended(ReachedFlank(probed.gear, side, 0, probed.design, probed.reached[side]), tolerance)
@@ -119,7 +119,7 @@ def _part(scene: GenerationMillingScene, probed: ProbedGear) -> Part:
     return Part(FACE_FRAME, gear_stock(probed.gear, scene.surface.rim_mm), {str(s): i for s, i in flanks.items()})
 
 
-def _inspections(scene: GenerationMillingScene, probed: ProbedGear) -> Iterator[Inspection]:
+def _inspections(scene: CylindricalGearScene, probed: ProbedGear) -> Iterator[Inspection]:
     m, gear, rim = scene.metrology, probed.gear, scene.surface.rim_mm
     spaces = tuple(range(m.spaces or gear.count))
     yield GearProbing(PROGRAM, probed, spaces, m.points, m.iso_class, scene.name)
@@ -152,7 +152,7 @@ def _reached(gear: CylindricalGear, side: Side, finishing: Finishing) -> tuple[f
     return (last, first) if gear.is_internal else (first, last)
 
 
-def _header(scene: GenerationMillingScene, gear: CylindricalGear) -> Header:
+def _header(scene: CylindricalGearScene, gear: CylindricalGear) -> Header:
     kind = "internal" if gear.is_internal else "external"
     return Header(
         scene.program.number,

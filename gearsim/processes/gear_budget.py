@@ -13,7 +13,7 @@ from gearsim.metrology.gear_iso import GearProbing, ProbedGear
 from gearsim.metrology.study import Change
 from gearsim.programs.blocks import Blocks
 from gearsim.programs.operation import Operation, Tool
-from gearsim.scene.generation_milling import BudgetTable, GenerationMillingScene
+from gearsim.scene.cylindrical import BudgetTable, CylindricalGearScene
 from gearsim.simulation.disturbance import Disturbance
 from gearsim.simulation.operation import Operation as Machined
 from gearsim.simulation.operation import Variant
@@ -38,7 +38,7 @@ class Cause(NamedTuple):
 class _Planner:
     """The finishing operation alone, exact numbers, changed in one way at a time."""
 
-    scene: GenerationMillingScene
+    scene: CylindricalGearScene
     probed: ProbedGear
     machine: Machine
 
@@ -64,7 +64,7 @@ def first_space(operation: Operation, spaces: int) -> Operation:
 
 
 def gear_budget(
-    scene: GenerationMillingScene, probed: ProbedGear, machine: Machine, tools: dict[int, Tool], program: str
+    scene: CylindricalGearScene, probed: ProbedGear, machine: Machine, tools: dict[int, Tool], program: str
 ) -> tuple[list[Variant], BudgetInspection]:
     """A variant a cause, and the inspection that probes them all; ``program`` names the job's own."""
     assert scene.budget is not None

@@ -9,7 +9,7 @@ from gearsim.metrology.dexel_check import slot_box
 from gearsim.metrology.gear_section import space_box
 from gearsim.processes.frames import FACE_FRAME, GEAR_FRAME, NET_FRAME
 from gearsim.scene.any_program import AnySurface
-from gearsim.scene.generation_milling import CylindricalGearTable
+from gearsim.scene.cylindrical import CylindricalGearTable
 from gearsim.scene.sculptured import NurbsTable
 from gearsim.simulation.dexels import DexelBox
 from gearsim.surfaces.cylindrical_gear import SIDES as GEAR_SIDES

@@ -26,7 +26,7 @@ _PLANNERS = {
     "FaceMillingScene": "face_milling",
     "HypoidScene": "hypoid",
     "EnvelopeScene": "envelope",
-    "GenerationMillingScene": "cylindrical",
+    "CylindricalGearScene": "cylindrical",
     "SculpturedScene": "sculptured",
     "GougeExampleScene": "worked_examples",
     "ProgramScene": "any_program",

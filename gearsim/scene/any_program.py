@@ -15,8 +15,8 @@ from gearsim.geometry.rigid import Rigid
 from gearsim.machines.chain import Machine
 from gearsim.scene.bevel import Number
 from gearsim.scene.catalogue import AnyCutter, AnyMachine
+from gearsim.scene.cylindrical import CylindricalGearTable
 from gearsim.scene.flank_milling import FaceMilledFlankTable, RuledBevelTable
-from gearsim.scene.generation_milling import CylindricalGearTable
 from gearsim.scene.sculptured import NurbsTable
 from gearsim.scene.tables import Count, Length, Scene, Table
 

@@ -14,9 +14,9 @@ from pydantic import ValidationError
 
 from gearsim.errors import InputError, read_input
 from gearsim.scene.any_program import GCODE, ProgramScene
+from gearsim.scene.cylindrical import CylindricalGearScene
 from gearsim.scene.flank_milling import FlankMillingScene
 from gearsim.scene.generated import EnvelopeScene, FaceMillingScene, HypoidScene
-from gearsim.scene.generation_milling import GenerationMillingScene
 from gearsim.scene.sculptured import GougeExampleScene, SculpturedScene
 from gearsim.scene.tables import Scene, Table
 
@@ -26,7 +26,7 @@ SCENES: dict[str, type[Scene]] = {
     "envelope": EnvelopeScene,
     "face-milled": FaceMillingScene,
     "hypoid-pinion": HypoidScene,
-    "cylindrical-gear": GenerationMillingScene,
+    "cylindrical-gear": CylindricalGearScene,
     "nurbs": SculpturedScene,
     "gouge-example": GougeExampleScene,
 }

@@ -10,10 +10,10 @@ from gearsim.motion.sources import CLMotion, CurveMotion
 from gearsim.processes.run import plan
 from gearsim.programs.cldata import RAPID, check_cutter, parse_cl, read_cl_text
 from gearsim.scene import (
+    CylindricalGearScene,
     EnvelopeScene,
     FaceMillingScene,
     FlankMillingScene,
-    GenerationMillingScene,
     HypoidScene,
     Scene,
 )
@@ -81,7 +81,7 @@ def _head(tooth: FaceMilledTooth, flank: str) -> list[ClosedForm]:
     return make(motion, tooth.head, flank)
 
 
-def _generation_milling(scene: GenerationMillingScene, _: Path) -> list[ClosedForm]:
+def _cylindrical_gear(scene: CylindricalGearScene, _: Path) -> list[ClosedForm]:
     """Both flanks as the finishing end mill generates them, without modification."""
     gear, radius = scene.gear(), scene.finishing().cutting.radius
     return [flank_form(InvoluteFlank(gear, side), radius) for side in GEAR_SIDES]
@@ -92,5 +92,5 @@ FORMS: dict[type[Scene], Callable[[Any, Path], list[ClosedForm]]] = {
     EnvelopeScene: _envelope,
     FaceMillingScene: _face_milling,
     HypoidScene: _hypoid,
-    GenerationMillingScene: _generation_milling,
+    CylindricalGearScene: _cylindrical_gear,
 }

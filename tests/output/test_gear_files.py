@@ -22,7 +22,7 @@ from gearsim.output.summary import summary, write_json
 from gearsim.output.write import write_result
 from gearsim.processes.run import run
 from gearsim.scene import load_scene
-from gearsim.scene.generation_paths import GearPathTable
+from gearsim.scene.cylindrical_paths import GearPathTable
 from gearsim.simulation.intervals import IntervalSet
 
 PICTURES = {

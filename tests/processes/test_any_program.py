@@ -135,5 +135,5 @@ def test_what_does_not_fit_is_refused_by_its_key(flank, by_gcode, change, messag
 
 
 def test_scenes_of_old_keep_their_own_kind():
-    for name, kind in (("spiral-bevel-flank", "FlankMillingScene"), ("spur-external", "GenerationMillingScene")):
+    for name, kind in (("spiral-bevel-flank", "FlankMillingScene"), ("spur-external", "CylindricalGearScene")):
         assert type(load_scene(name)[0]).__name__ == kind

@@ -10,10 +10,10 @@ from gearsim.errors import InputError
 from gearsim.programs.operation import Tool
 from gearsim.surfaces.cylindrical_gear import SIDES, CylindricalGear
 from gearsim.surfaces.involute import InvoluteFlank
-from gearsim.toolpaths.cylindrical.generation import finish_teeth, rough_teeth
 from gearsim.toolpaths.cylindrical.limits import check_tool, pass_range, reached_range, stock_layers
 from gearsim.toolpaths.cylindrical.settings import Cutting, Finishing, Roughing
 from gearsim.toolpaths.cylindrical.steps import descent, roll_points
+from gearsim.toolpaths.cylindrical.teeth import finish_teeth, rough_teeth
 from tests.toolpaths.cylindrical_gears import MACHINE, RADIUS, distances, first_space, poses, thesis
 
 UNUSUAL = [(60, 0.0), (60, 20.0), (60, -30.0), (-60, 25.0), (-40, -35.0), (9, 15.0)]

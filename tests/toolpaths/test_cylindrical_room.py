@@ -9,10 +9,10 @@ from gearsim.errors import InputError
 from gearsim.programs.operation import Tool
 from gearsim.surfaces.cylindrical_gear import SIDES, CylindricalGear
 from gearsim.surfaces.involute import InvoluteFlank
-from gearsim.toolpaths.cylindrical.generation import finish_teeth
 from gearsim.toolpaths.cylindrical.limits import check_tool, stock_layers
 from gearsim.toolpaths.cylindrical.settings import Cutting, Finishing, Slotting
 from gearsim.toolpaths.cylindrical.slots import slot_spaces
+from gearsim.toolpaths.cylindrical.teeth import finish_teeth
 from tests.toolpaths.cylindrical_gears import MACHINE, distances, first_space, poses
 
 STOCK = 0.1

@@ -10,10 +10,10 @@ from gearsim.surfaces.cylindrical_gear import SIDES
 from gearsim.surfaces.flank_modification import FlankModification
 from gearsim.surfaces.involute import InvoluteFlank
 from gearsim.toolpaths.cylindrical.axes import GearTable
-from gearsim.toolpaths.cylindrical.generation import finish_teeth, rough_teeth
 from gearsim.toolpaths.cylindrical.limits import reached_range
 from gearsim.toolpaths.cylindrical.passes import flank_pass
 from gearsim.toolpaths.cylindrical.settings import Cutting, Finishing, Roughing
+from gearsim.toolpaths.cylindrical.teeth import finish_teeth, rough_teeth
 from tests.toolpaths.cylindrical_gears import GEARS, MACHINE, RADIUS, distances, first_space, poses, thesis
 
 T = np.linspace(0.0, 1.0, 7)

@@ -12,7 +12,6 @@ from gearsim.machines.chain import Machine
 from gearsim.programs.operation import Operation
 from gearsim.surfaces.cylindrical_gear import CylindricalGear
 from gearsim.toolpaths.cylindrical.axes import GearTable
-from gearsim.toolpaths.cylindrical.generation import finish_teeth, rough_teeth
 from gearsim.toolpaths.cylindrical.preparation import bore, face, outside_diameter, reference_ring
 from gearsim.toolpaths.cylindrical.settings import (
     Bore,
@@ -25,6 +24,7 @@ from gearsim.toolpaths.cylindrical.settings import (
     Slotting,
 )
 from gearsim.toolpaths.cylindrical.slots import slot_spaces
+from gearsim.toolpaths.cylindrical.teeth import finish_teeth, rough_teeth
 
 
 def plan_gear(gear: CylindricalGear, machine: Machine, steps: Sequence[Settings]) -> tuple[Operation, ...]:

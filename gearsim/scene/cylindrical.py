@@ -11,7 +11,7 @@ from pydantic import Field, model_validator
 from gearsim.machines.chain import Machine
 from gearsim.scene.bevel import Number
 from gearsim.scene.catalogue import AnyMachine
-from gearsim.scene.generation_paths import EndMillTable, GearPathTable
+from gearsim.scene.cylindrical_paths import EndMillTable, GearPathTable
 from gearsim.scene.program import PostTable
 from gearsim.scene.tables import Count, Length, LengthOrZero, Scene, Table
 from gearsim.surfaces.cylindrical_gear import CylindricalGear
@@ -175,7 +175,7 @@ class MeasuredTables(Table):
     tables: tuple[MeasuredTable, ...] = ()
 
 
-class GenerationMillingScene(Scene):
+class CylindricalGearScene(Scene):
     """A cylindrical gear, planned, posted, read back, cut and inspected."""
 
     surface: CylindricalGearTable
