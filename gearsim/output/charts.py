@@ -6,7 +6,7 @@ from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from textwrap import wrap
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,6 +15,7 @@ from gearsim.metrology.grid import GridMeasurement
 from gearsim.metrology.mean_profile import ProfileMeasurement
 from gearsim.motion.axes import AxisMotion
 from gearsim.output.heat import draw_heat, is_perfect
+from gearsim.output.panels import Room, page, pyplot
 from gearsim.output.presenters import collected
 from gearsim.output.saving import Chart, Save
 from gearsim.output.wanted import Wanted
@@ -107,20 +108,15 @@ def _panels(dense: Sequence[GridMeasurement]) -> tuple[list[tuple[int, int]], in
 
 def draw_mean_profiles(result: Result, found: Sequence[ProfileMeasurement], save: Save) -> None:
     """mean-profile.png: deviation over the height above the contact path, printed values beside."""
-    plt = pyplot()
-    figure, axes = plt.subplots(1, len(found), figsize=(6.5 * len(found), 5), squeeze=False, constrained_layout=True)
+    figure, axes = page(1, len(found), (5.6, 3.9), title=result.name)
     for axis, m in zip(axes[0], found, strict=True):
         _profile(axis, m)
-    figure.suptitle(result.name, fontsize=14)
     save(figure, "mean-profile.png")
 
 
 def draw_axes(motions: Mapping[str, AxisMotion], save: Save) -> None:
     """axes.png: the axis values of every machine motion over its blocks."""
-    plt = pyplot()
-    figure, axes = plt.subplots(
-        len(motions), 2, figsize=(13, 4.2 * len(motions)), squeeze=False, constrained_layout=True
-    )
+    figure, axes = page(len(motions), 2, (5.0, 3.1), Room(top=0.5, right=0.7, across=1.5))
     for row, (name, motion) in enumerate(motions.items()):
         for joint, values in zip(motion.machine.joints, np.asarray(motion.values).T, strict=True):
             shown = np.degrees(values) if joint.is_rotary else values
@@ -129,19 +125,9 @@ def draw_axes(motions: Mapping[str, AxisMotion], save: Save) -> None:
             axes[row, side].set_title(f"{name}: {'rotary' if side else 'linear'} axes")
             axes[row, side].set_xlabel("block")
             axes[row, side].set_ylabel(unit)
-            axes[row, side].legend(loc="best")
+            axes[row, side].legend(loc="upper left", bbox_to_anchor=(1.0, 1.0), frameon=False)
             axes[row, side].grid(alpha=0.3)
     save(figure, "axes.png", 90)
-
-
-def pyplot() -> Any:
-    """Matplotlib without a screen."""
-    import matplotlib as mpl
-
-    mpl.use("Agg")
-    import matplotlib.pyplot as plt
-
-    return plt
 
 
 def _profile(axis: Axes, m: ProfileMeasurement) -> None:

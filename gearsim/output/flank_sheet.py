@@ -34,7 +34,7 @@ def draw_sheet(
     title: str, lines: Sequence[str], flanks: Sequence[Sheet], tolerance_um: float, name: str, save: Save
 ) -> None:  # fmt: skip
     """One page; lengths in inches from its lower left corner. ``lines`` stand under the title."""
-    from gearsim.output.charts import pyplot
+    from gearsim.output.panels import pyplot
 
     figure = pyplot().figure(figsize=(_WIDTH, _HEIGHT))
     figure.text(0.35 / _WIDTH, 1.0 - 0.42 / _HEIGHT, title, fontsize=15, weight="bold")

@@ -36,11 +36,7 @@ def draw_heat(axis: Axes, grid: SampleGrid, um: NDArray, what: str) -> None:
     known = um[np.isfinite(um)]
     limit = max(float(np.abs(known).max(initial=0.0)), NOISE_UM)
     x, y = along.at(grid.length), up.at(grid.height)
-    axis.imshow(
-        um, extent=(x[0], x[-1], y[0], y[-1]), origin="lower", aspect="auto", cmap=DIVERGING, vmin=-limit, vmax=limit,
-        interpolation="bilinear",
-    )  # fmt: skip
-    axis.set(xlim=sorted((x[0], x[-1])), ylim=(y[0], y[-1]), facecolor="0.85")
+    paint(axis, x, y, um, limit)
     smooth = gaussian_filter1d(um, um.shape[1] / 40.0, axis=1, mode="nearest")
     steps = smooth[np.isfinite(smooth)]
     if steps.size and np.ptp(steps) > 0.2 * limit and min(um.shape) > 2:
@@ -50,6 +46,15 @@ def draw_heat(axis: Axes, grid: SampleGrid, um: NDArray, what: str) -> None:
     axis.set_title(f"{what}: {span(known)}", fontsize=10, y=1.03)  # fixed: to find a place for it is slow
     axis.set_xlabel(along.what, fontsize=9)
     axis.set_ylabel(up.what, fontsize=9)
+
+
+def paint(axis: Axes, x: NDArray, y: NDArray, um: NDArray, limit: float) -> None:
+    """A map alone, its scale at the right."""
+    axis.imshow(
+        um, extent=(x[0], x[-1], y[0], y[-1]), origin="lower", aspect="auto", cmap=DIVERGING, vmin=-limit, vmax=limit,
+        interpolation="bilinear",
+    )  # fmt: skip
+    axis.set(xlim=sorted((x[0], x[-1])), ylim=(y[0], y[-1]), facecolor="0.85")
     _scale(axis, limit)
 
 

@@ -6,6 +6,7 @@ what is wanted. A machine without OpenGL ends the 3D process, not the run.
 
 from __future__ import annotations
 
+import gc
 import json
 import pickle
 import re
@@ -111,6 +112,7 @@ def main(kind: str) -> None:
     folder = Path(json.loads(line))
     with (folder / RESULT).open("rb") as file:
         result, wanted = pickle.load(file)  # our own, written a moment ago
+    gc.freeze()  # it stays to the end: no collection need go through it again and again
 
     def tell(captions: dict[str, str]) -> None:
         (folder / f"_{kind}.json").write_text(json.dumps(captions), encoding="utf-8")

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
 from gearsim.errors import InputError
-from gearsim.output.charts import pyplot
+from gearsim.output.panels import pyplot
 from gearsim.verify.checks import FormReport, Limits
 from gearsim.verify.closed_form import file_name
 from gearsim.verify.error_map import ErrorMap, Worst

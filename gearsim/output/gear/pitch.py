@@ -8,8 +8,8 @@ from typing import Any
 import numpy as np
 
 from gearsim.metrology.gear_pitch import PitchResult, Runout
-from gearsim.output.charts import pyplot
 from gearsim.output.gear.style import BAND, LIMIT, NOISE_UM, OUT, SIDE_COLOURS, SYMBOLS, Unit, plain, unit_for
+from gearsim.output.panels import page
 from gearsim.output.saving import Save
 from gearsim.surfaces.cylindrical_gear import SIDES, Side
 
@@ -21,11 +21,10 @@ def draw_pitch(
     pitch: Mapping[Side, PitchResult], runout: Runout, tolerances_um: Mapping[str, float], title: str, save: Save
 ) -> None:
     """One page: single pitches as bars above, the cumulative pitch below, left flanks left."""
-    plt = pyplot()
-    figure, axes = plt.subplots(2, 2, figsize=(13, 7.4), constrained_layout=True)
-    draw_pitch_panels(axes, pitch, tolerances_um, 9.0)
     unit = unit_for(runout.radial_um)
-    figure.suptitle(f"{title}   (runout $F_r$ = {unit.text(runout.total)} {unit.name})", fontsize=13, weight="bold")
+    heading = f"{title}   (runout $F_r$ = {unit.text(runout.total)} {unit.name})"
+    figure, axes = page(2, 2, (5.5, 2.6), title=heading)
+    draw_pitch_panels(axes, pitch, tolerances_um, 9.0)
     save(figure, "pitch.png", 130)
 
 

@@ -8,24 +8,21 @@ from typing import Any
 import numpy as np
 
 from gearsim.metrology.roughness import Roughness
-from gearsim.output.charts import pyplot
 from gearsim.output.gear.style import BAND, LIMIT, MEAN, NOISE_UM, TRACE, Unit, plain, unit_for
+from gearsim.output.panels import page
 from gearsim.output.saving import Save
 
 
 def draw_roughness(traces: Mapping[str, Roughness], title: str, save: Save) -> None:
     """One row a trace, by its name: before the filter at the left, after it at the right, with the numbers."""
-    plt = pyplot()
-    figure, axes = plt.subplots(
-        len(traces), 2, figsize=(13, 0.9 + 2.3 * len(traces)), constrained_layout=True, squeeze=False
-    )
+    cutoff = next(iter(traces.values())).cutoff_mm
+    heading = f"{title}   (Gaussian filter, cutoff λc = {cutoff:g} mm)"
+    figure, axes = page(len(traces), 2, (5.5, 1.5), title=heading)
     for row, (name, trace) in zip(axes, traces.items(), strict=True):
         _before(row[0], name, trace)
         _after(row[1], trace)
     for axis in axes[-1]:
         axis.set_xlabel("along the surface [mm]", fontsize=9)
-    cutoff = next(iter(traces.values())).cutoff_mm
-    figure.suptitle(f"{title}   (Gaussian filter, cutoff λc = {cutoff:g} mm)", fontsize=13, weight="bold")
     save(figure, "roughness.png", 130)
 
 

@@ -7,8 +7,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from gearsim.output.charts import pyplot
 from gearsim.output.gear.style import SIDE_COLOURS
+from gearsim.output.panels import pyplot
 from gearsim.output.saving import Save
 from gearsim.simulation.section import Section
 from gearsim.surfaces.cylindrical_gear import SIDES, CylindricalGear

@@ -9,10 +9,10 @@ from typing import Any
 import numpy as np
 
 from gearsim.metrology.gear_inspection import GearInspection, InspectionRow
-from gearsim.output.charts import pyplot
 from gearsim.output.gear.pitch import draw_pitch_panels
 from gearsim.output.gear.style import OUT, SYMBOLS, unit_for
 from gearsim.output.gear.traces import draw_trace_panels
+from gearsim.output.panels import pyplot
 from gearsim.output.saving import Save
 from gearsim.surfaces.cylindrical_gear import SIDES, CylindricalGear
 

@@ -11,7 +11,6 @@ from numpy.typing import NDArray
 from scipy.ndimage import gaussian_filter1d
 
 from gearsim.metrology.gear_inspection import FlankMap
-from gearsim.output.charts import pyplot
 from gearsim.output.contours import draw_contours
 from gearsim.output.gear.style import (
     NOISE_UM,
@@ -23,6 +22,7 @@ from gearsim.output.gear.style import (
     round_text,
     unit_for,
 )
+from gearsim.output.panels import pyplot
 from gearsim.output.rounding import round_below
 from gearsim.output.saving import Save
 from gearsim.surfaces.cylindrical_gear import SIDES, CylindricalGear, Side

@@ -15,7 +15,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gearsim.metrology.gear_traces import GearTraces, TraceDeviations
-from gearsim.output.charts import pyplot
 from gearsim.output.gear.style import (
     BAND,
     LIMIT,
@@ -29,6 +28,7 @@ from gearsim.output.gear.style import (
     round_text,
     unit_for,
 )
+from gearsim.output.panels import pyplot
 from gearsim.output.rounding import round_below
 from gearsim.output.saving import Save
 from gearsim.surfaces.cylindrical_gear import SIDES, CylindricalGear, Side

@@ -11,8 +11,9 @@ from numpy.typing import NDArray
 from gearsim.gouging.attribution import Cause
 from gearsim.gouging.inspection import ToolCut
 from gearsim.metrology.samples import SampleGrid
-from gearsim.output.charts import pyplot
 from gearsim.output.gouging.curvature import GOUGE, TOOL
+from gearsim.output.heat import paint, span
+from gearsim.output.panels import Room, page, pyplot
 from gearsim.output.saving import Save
 
 CAUSES = {
@@ -30,13 +31,12 @@ def draw_cuts(
     title: str, cuts: Mapping[str, ToolCut], labels: Mapping[str, str], tolerance: float, save: Save
 ) -> None:  # fmt: skip
     """gouging.png: one row a tool; left the deviation, right what made the overcut."""
-    plt = pyplot()
-    rows = len(cuts)
-    figure, axes = plt.subplots(rows, 2, figsize=(13.0, 4.9 * rows + 0.9), squeeze=False, constrained_layout=True)
+    heading = f"{title}: machined minus intended (+ material left, − overcut)"
+    room = Room(bottom=1.0, top=1.1, across=1.5, up=1.7)
+    figure, axes = page(len(cuts), 2, (4.8, 3.8), room, heading)
     for row, (name, cut) in enumerate(cuts.items()):
-        _deviation(figure, axes[row, 0], cut.grid, cut, labels[name])
+        _deviation(axes[row, 0], cut.grid, cut, labels[name])
         _causes(axes[row, 1], cut.grid, cut, tolerance)
-    figure.suptitle(f"{title}: machined minus intended (+ material left, − overcut)", fontsize=14, weight="bold")
     save(figure, "gouging.png")
 
 
@@ -46,17 +46,13 @@ def _axes(axis: Any, grid: SampleGrid) -> tuple[NDArray, NDArray]:
     return grid.length, grid.height
 
 
-def _deviation(figure: Any, axis: Any, grid: SampleGrid, cut: ToolCut, label: str) -> None:
+def _deviation(axis: Any, grid: SampleGrid, cut: ToolCut, label: str) -> None:
     um = 1e3 * cut.deviation.value
     limit = max(float(np.nanmax(np.abs(um), initial=0.0)), _NOISE_UM)
     x, y = _axes(axis, grid)
-    image = axis.pcolormesh(x, y, um, cmap="RdBu_r", vmin=-limit, vmax=limit, shading="gouraud", rasterized=True)
-    figure.colorbar(image, ax=axis, label="deviation [µm]")
+    paint(axis, x, y, um, limit)
     _predicted(axis, grid, cut)
-    low, high = (float(f(um)) for f in (np.nanmin, np.nanmax)) if np.isfinite(um).any() else (np.nan, np.nan)
-    low, high = (0.0 if abs(w) < 1e-4 else w for w in (low, high))
-    span = f"{low:.3g} to {high:.3g} µm".replace("-", "−")
-    axis.set_title(f"{label}\n{span}", fontsize=11)
+    axis.set_title(f"{label}\n{span(um[np.isfinite(um)])}", fontsize=11)
 
 
 def _causes(axis: Any, grid: SampleGrid, cut: ToolCut, tolerance_um: float) -> None:

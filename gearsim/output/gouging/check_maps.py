@@ -12,11 +12,11 @@ from gearsim.gouging.check import GougeCheck
 from gearsim.gouging.choice import SizeChoice
 from gearsim.gouging.fitting import size_map
 from gearsim.gouging.looked import FaceLook
-from gearsim.output.charts import pyplot
 from gearsim.output.gouging.curvature import GOUGE
 from gearsim.output.gouging.mill_map import draw_sizes
 from gearsim.output.gouging.mills import size_channels
 from gearsim.output.gouging.words import tool_words
+from gearsim.output.panels import pyplot
 from gearsim.output.saving import Save
 
 _STROKES = 24

@@ -10,8 +10,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from gearsim.output.charts import pyplot
 from gearsim.output.gear.style import plain
+from gearsim.output.panels import pyplot
 from gearsim.output.saving import Save
 
 TOOL, PART, OTHER, GOUGE = "#1b3a5c", "#c8791b", "#5b8e7d", "#d1495b"

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from scipy import ndimage
 
 from gearsim.gouging.choice import SizeChoice
-from gearsim.output.charts import pyplot
+from gearsim.output.panels import pyplot
 from gearsim.output.saving import Save
 
 _WIDTH, _HEIGHT = 10.0, 8.6
