@@ -48,14 +48,14 @@ def draw_heat(axis: Axes, grid: SampleGrid, um: NDArray, what: str) -> None:
     axis.set_ylabel(up.what, fontsize=9)
 
 
-def paint(axis: Axes, x: NDArray, y: NDArray, um: NDArray, limit: float) -> None:
-    """A map alone, its scale at the right."""
+def paint(axis: Axes, x: NDArray, y: NDArray, um: NDArray, limit: float, unit: str = "µm") -> None:
+    """A map alone, its scale at the right; values may be in another unit."""
     axis.imshow(
         um, extent=(x[0], x[-1], y[0], y[-1]), origin="lower", aspect="auto", cmap=DIVERGING, vmin=-limit, vmax=limit,
         interpolation="bilinear",
     )  # fmt: skip
     axis.set(xlim=sorted((x[0], x[-1])), ylim=(y[0], y[-1]), facecolor="0.85")
-    _scale(axis, limit)
+    _scale(axis, limit, unit)
 
 
 def span(known: NDArray) -> str:
@@ -72,7 +72,7 @@ def _decimals(largest: float) -> int:
     return int(np.clip(2 - floor(log10(max(largest, NOISE_UM))), 0, 5))
 
 
-def _scale(axis: Axes, limit: float) -> None:
+def _scale(axis: Axes, limit: float, unit: str) -> None:
     """What colours mean, beside the map: one picture and its ends' numbers, cheaper than a colour bar of its own."""
     axis.set_autoscale_on(False)
     axis.imshow(
@@ -81,5 +81,5 @@ def _scale(axis: Axes, limit: float) -> None:
     )  # fmt: skip
     decimals = _decimals(limit)
     for height, value in ((0.0, -limit), (0.5, 0.0), (1.0, limit)):
-        text = "0 µm" if value == 0.0 else f"{value:+.{decimals}f}".replace("-", "−")
+        text = f"0 {unit}" if value == 0.0 else f"{value:+.{decimals}f}".replace("-", "−")
         axis.text(1.065, height, text, transform=axis.transAxes, fontsize=_FONT, va="center_baseline")

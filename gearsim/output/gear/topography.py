@@ -22,7 +22,8 @@ from gearsim.output.gear.style import (
     round_text,
     unit_for,
 )
-from gearsim.output.panels import pyplot
+from gearsim.output.heat import paint
+from gearsim.output.panels import Room, page
 from gearsim.output.rounding import round_below
 from gearsim.output.saving import Save
 from gearsim.surfaces.cylindrical_gear import SIDES, CylindricalGear, Side
@@ -32,31 +33,31 @@ _ROWS, _COLUMNS = 9, 13
 
 def draw_topography(maps: Mapping[Side, FlankMap], gear: CylindricalGear, title: str, save: Save) -> None:
     """One page: whiskers above, heat maps below, both sides to one scale."""
-    plt = pyplot()
-    figure, axes = plt.subplots(2, 2, figsize=(13, 9.6), constrained_layout=True)
+    heading = f"{title}   (red: material left, blue: overcut)"
+    figure, axes = page(2, 2, (5.1, 3.7), Room(left=0.65, right=0.85, top=0.8, across=1.35), heading)
     unit = unit_for(np.concatenate([maps[s].deviation_um.ravel() for s in SIDES]))
     largest = max(float(np.nanmax(np.abs(maps[s].deviation_um), initial=NOISE_UM)) for s in SIDES)
-    image = None
     for (above, below), side in zip(axes.T, SIDES, strict=True):
         whiskers(above, maps[side], gear, unit, largest)
-        image = _heat(below, maps[side], gear, unit, largest)
-    figure.colorbar(image, ax=list(axes[1]), label=f"deviation along the normal [{unit.name}]", aspect=25, pad=0.01)
-    figure.suptitle(f"{title}   (red: material left, blue: overcut)", fontsize=13, weight="bold")
+        _heat(below, maps[side], gear, unit, largest)
     save(figure, "topography.png", 130)
 
 
 def whiskers(axis: Any, flank: FlankMap, gear: CylindricalGear, unit: Unit, largest: float) -> None:
     """A stroke a grid point, up for material left, as long as the scale bar says."""
+    from matplotlib.collections import LineCollection
+
     rows = _chosen(len(flank.position), _ROWS)
     columns = _chosen(len(flank.z), _COLUMNS)
     um = flank.deviation_um[np.ix_(rows, columns)]
     x, level = np.meshgrid(flank.z[columns], np.arange(len(rows), dtype=float))
     tips = level + 0.8 * um / largest
-    for i in range(len(rows)):
-        axis.plot(x[i], level[i], color="0.75", lw=0.8)
-        axis.plot(x[i], tips[i], color=TRACE, lw=1.1)
-    for j in range(len(columns)):
-        axis.plot(x[:, j], level[:, j], color="0.88", lw=0.6)
+    for lines, colour, width in (
+        ([*np.stack([x, level], -1)], "0.75", 0.8),
+        ([*np.stack([x.T, level.T], -1)], "0.88", 0.6),
+        ([*np.stack([x, tips], -1)], TRACE, 1.1),
+    ):
+        axis.add_collection(LineCollection(lines, colors=colour, linewidths=width))
     colours = np.where(um.ravel() < 0.0, SIDE_COLOURS["left"], OUT)
     axis.vlines(x.ravel(), level.ravel(), tips.ravel(), colors=list(colours), lw=2.2)
     bar = round_below(largest)
@@ -69,21 +70,17 @@ def whiskers(axis: Any, flank: FlankMap, gear: CylindricalGear, unit: Unit, larg
     _labels(axis, flank, unit)
 
 
-def _heat(axis: Any, flank: FlankMap, gear: CylindricalGear, unit: Unit, largest: float) -> Any:
+def _heat(axis: Any, flank: FlankMap, gear: CylindricalGear, unit: Unit, largest: float) -> None:
     """The whole map, with contours of the map smoothed along the face (feed marks would fill it)."""
     angle = np.degrees(flank.position / gear.base_radius)
     shown = unit.per_um * flank.deviation_um
     limit = unit.per_um * largest
-    image = axis.pcolormesh(flank.z, angle, shown, cmap="RdBu_r", vmin=-limit, vmax=limit, shading="gouraud")
+    paint(axis, flank.z, angle, shown, limit, unit.name)
     smooth = gaussian_filter1d(shown, shown.shape[1] / 40.0, axis=1, mode="nearest")
     known = smooth[np.isfinite(smooth)]
     if known.size and np.ptp(known) > 0.2 * limit:
         draw_contours(axis, flank.z, angle, smooth)
-    axis.set_facecolor("0.85")
-    if flank.position[0] > flank.position[-1]:
-        axis.set_ylim(angle.max(), angle.min())
     _labels(axis, flank, unit)
-    return image
 
 
 def _labels(axis: Any, flank: FlankMap, unit: Unit) -> None:
