@@ -124,7 +124,8 @@ Paint = Callable[[Result, Path, Wanted, Callable[[dict[str, str]], None]], None]
 
 
 def _flat() -> Paint:
-    from gearsim.output.charts import chart_all, pyplot
+    from gearsim.output.charts import chart_all
+    from gearsim.output.panels import pyplot
 
     pyplot()
     return chart_all
