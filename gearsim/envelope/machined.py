@@ -76,16 +76,16 @@ def machined_along(
     from gearsim.envelope.candidates import Candidates  # Warp loads with them: who only draws results can do without
     from gearsim.envelope.swept import Swept
 
-    cut = Cut([Candidates(Swept(source, cutter, device)) for source in sources])
+    machined = Machined([Candidates(Swept(source, cutter, device)) for source in sources])
     cores = (os.cpu_count() or 1) if device == "cpu" and len(rays) >= _SLICED else 1
     ends = np.linspace(0, len(rays), cores + 1).astype(int)
     with ThreadPoolExecutor(cores) as pool:
-        roads = list(pool.map(lambda span: cut.along(rays.part(slice(*span))), pairwise(ends)))
+        roads = list(pool.map(lambda span: machined.along(rays.part(slice(*span))), pairwise(ends)))
     return EnvelopeRoad(*(np.concatenate(c) for c in zip(*(road.columns() for road in roads), strict=True)))
 
 
 @dataclass(frozen=True)
-class Cut:
+class Machined:
     """What some motions leave, each with its candidates."""
 
     motions: list[Candidates]
