@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.ndimage import gaussian_filter1d
 
 from gearsim.metrology.grid import GridMeasurement
 from gearsim.metrology.samples import SampleGrid
@@ -32,6 +31,8 @@ def draw_heat(axis: Axes, grid: SampleGrid, um: NDArray, what: str) -> None:
 
     The contours are of the map averaged along the face, or a path's steps would fill it.
     """
+    from scipy.ndimage import gaussian_filter1d  # the run itself needs the names of pictures only
+
     along, up = grid.patch.ways
     known = um[np.isfinite(um)]
     limit = max(float(np.abs(known).max(initial=0.0)), NOISE_UM)

@@ -8,7 +8,6 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.ndimage import gaussian_filter1d
 
 from gearsim.metrology.gear_inspection import FlankMap
 from gearsim.output.contours import draw_contours
@@ -72,6 +71,8 @@ def whiskers(axis: Any, flank: FlankMap, gear: CylindricalGear, unit: Unit, larg
 
 def _heat(axis: Any, flank: FlankMap, gear: CylindricalGear, unit: Unit, largest: float) -> None:
     """The whole map, with contours of the map smoothed along the face (feed marks would fill it)."""
+    from scipy.ndimage import gaussian_filter1d  # the run itself needs the names of pictures only
+
     angle = np.degrees(flank.position / gear.base_radius)
     shown = unit.per_um * flank.deviation_um
     limit = unit.per_um * largest

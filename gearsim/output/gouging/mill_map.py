@@ -6,7 +6,6 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy import ndimage
 
 from gearsim.gouging.choice import SizeChoice
 from gearsim.output.panels import pyplot
@@ -99,6 +98,8 @@ def label_places(index: NDArray, box: tuple[int, int]) -> list[tuple[int, int]]:
     """Of every connected region of equal index from 0 up the place (row, column) farthest from its border, where a box
     (rows, columns) about it lies within the region; regions without room have none. Ties go to the middle column.
     """
+    from scipy import ndimage  # the run itself needs the names of pictures only
+
     edge = np.ones(index.shape, dtype=bool)
     edge[1:-1, 1:-1] = (index[1:-1, 1:-1] != index[:-2, 1:-1]) | (index[1:-1, 1:-1] != index[1:-1, :-2])
     parts, count = ndimage.label(~edge & (index >= 0))
