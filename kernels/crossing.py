@@ -79,6 +79,29 @@ def newton_step(at: ChartPoint, origin: wp.vec3d, e1: wp.vec3d, e2: wp.vec3d) ->
     return step
 
 
+@wp.func
+def place_of(piece: int, t: f64, element: int, place: f64, branch: f64) -> Place:
+    """A place of its parts."""
+    where = Place()
+    where.piece = piece
+    where.t = t
+    where.element = element
+    where.place = place
+    where.branch = branch
+    return where
+
+
+@wp.func
+def moved_to(where: Place, t: f64, pieces: int) -> Place:
+    """The place at another t: on the next piece where it runs off one of ``pieces``, else held where poses end."""
+    if pieces > 0:
+        onward = wp.clamp(int(wp.floor(t)), -where.piece, pieces - 1 - where.piece)
+        where.piece += onward
+        t -= f64(onward)
+    where.t = wp.clamp(t, -BEYOND, f64(1.0) + BEYOND)
+    return where
+
+
 @wp.kernel
 def solve_places(
     motion: ExactMotion,
@@ -109,12 +132,7 @@ def solve_places(
     direction = rays.direction[ray[i]]
     e1 = across(direction)
     e2 = wp.cross(direction, e1)
-    where = Place()
-    where.piece = piece[i]
-    where.t = t[i]
-    where.element = element[i]
-    where.place = place[i]
-    where.branch = branch[i]
+    where = place_of(piece[i], t[i], element[i], place[i], branch[i])
     last_t = f64(0.0)
     last_place = f64(0.0)
     held = int(0)  # how often running the place was held at the end of what is known of its piece
@@ -136,12 +154,8 @@ def solve_places(
                 last_place = -last_place
             where.place += dplace
             after = where.t + dt
-            if pieces > 0:
-                onward = wp.clamp(int(wp.floor(after)), -where.piece, pieces - 1 - where.piece)
-                where.piece += onward
-                after -= f64(onward)
-            where.t = wp.clamp(after, -BEYOND, f64(1.0) + BEYOND)
-            held = wp.where(where.t == after, 0, held + 1)
+            where = moved_to(where, after, pieces)
+            held = wp.where(where.t > -BEYOND and where.t < f64(1.0) + BEYOND, 0, held + 1)
             if step.miss <= CONVERGED or held == GIVES_UP:
                 searching = 0
     at = chart_point(chart, motion, meridian, where)
@@ -173,12 +187,7 @@ def places_at(
 ):
     """Points of a chart, nan where there is none."""
     i = wp.tid()
-    where = Place()
-    where.piece = piece[i]
-    where.t = t[i]
-    where.element = element[i]
-    where.place = place[i]
-    where.branch = branch[i]
+    where = place_of(piece[i], t[i], element[i], place[i], branch[i])
     at = chart_point(chart, motion, meridian, where)
     point_out[i] = at.point
 
