@@ -186,7 +186,9 @@ class GridInspection:
 
     def _not_judged(self, found: dict[str, GridMeasurement], name: str) -> list[str]:
         what = f"{self.surface} under {name}"
-        gaps = [m.gap for m in found.values() if m.gap is not None and (found[name].gap is None or m is found[name])]
+        own = found[name].gap
+        others = (m.gap for m in found.values() if m.gap is not None and m.variant != self.generating)
+        gaps = [own] if own is not None else list(others)
         nothing = untouched(what, found[name].deviation)
         return nothing or ([] if self.last and self.last not in found else not_compared(what, gaps))
 

@@ -1,29 +1,29 @@
-"""A program of the user's own, G-code or CL data, cut into any surface."""
+"""A program of the user's own, G-code, CL data or axis values, cut into any surface."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from difflib import get_close_matches
 from pathlib import Path
 
-from gearsim.errors import InputError, read_input
+from gearsim.errors import InputError
 from gearsim.metrology.dexel_check import DexelInspection
-from gearsim.metrology.grid import GridInspection
+from gearsim.metrology.grid import COARSE, GridInspection
 from gearsim.metrology.inspection import Inspection
 from gearsim.metrology.job import Job
+from gearsim.metrology.program_times import ProgramInspection
 from gearsim.metrology.rapid_check import RapidInspection
-from gearsim.motion.sources import CLMotion, MovedMotion
+from gearsim.processes.generating import generating
 from gearsim.processes.parts import Limits, part_of
+from gearsim.processes.read_file import ReadFile, read_file
 from gearsim.processes.settings import settings
-from gearsim.programs.cldata import RAPID, check_cutter, parse_cl, read_cl_text
-from gearsim.programs.gcode import ReadSettings, read_program
 from gearsim.scene import scene_table
 from gearsim.scene.any_program import ProgramScene
 from gearsim.simulation.dexels import DexelBox
-from gearsim.simulation.operation import Operation, Variant, operation
-from gearsim.simulation.program import program_operations
+from gearsim.simulation.operation import Variant
 from gearsim.surfaces.part import Part, Tolerance
+from gearsim.surfaces.patch import SIDES
 
 PROGRAM, LAST = "program", "last operation"
 
@@ -35,22 +35,23 @@ def plan(scene: ProgramScene, folder: Path) -> Job:
     """
     m = scene.metrology
     limits = Limits(Tolerance.both(m.tolerance_um), Tolerance(m.root_tolerance_um or m.tolerance_um, float("inf")))
-    part, box = part_of(scene.surface, folder, limits, m.window_mm, scene.simulation.dexel_pitch_mm)
+    tooth = scene.tooth()
+    part, box = part_of(scene, tooth, folder, limits)
     judged = _judged(scene, part)
     free = {name: replace(s, tolerance=s.tolerance if name in judged else None) for name, s in part.surfaces.items()}
     part = replace(part, surfaces=free)
-    file = folder / scene.toolpath.file
-    operations, notes = _gcode(scene, file) if scene.toolpath.is_gcode else _cl_data(scene, file)
-    move = "the rapid move of line {line}" if scene.toolpath.is_gcode else "rapid move {number} of the CL data"
+    read = read_file(scene, folder / scene.toolpath.file)
+    whole = Variant(PROGRAM, f"the whole of {scene.toolpath.file}", read.operations)
+    own = generating(tooth, scene.simulation.compile_tolerance_mm)
     return Job(
         name=scene.name,
         part=part,
-        variants=(Variant(PROGRAM, f"the whole of {scene.toolpath.file}", operations),),
+        variants=(whole, *own),
         main=PROGRAM,
-        inspections=tuple(_inspections(scene, part, box, judged, move)),
+        inspections=tuple(_Plan(scene, part, box, judged, read, own[0].name if own else "").inspections()),
         settings=settings(scene),
         scene=scene_table(scene),
-        notes=notes,
+        notes=read.notes,
         conventions={"grids": "rows root to tip, columns along the face (a net: along v and u)"},
     )
 
@@ -65,44 +66,39 @@ def _judged(scene: ProgramScene, part: Part) -> tuple[str, ...]:
     return scene.metrology.judged or tuple(part.surfaces)
 
 
-def _gcode(scene: ProgramScene, file: Path) -> tuple[tuple[Operation, ...], tuple[str, ...]]:
-    machine, cutters, table = scene.controller(), scene.cutters(), scene.toolpath
-    assert machine is not None
-    text = read_input(file, "program")
-    reading = ReadSettings(workpiece=table.work_offset, tools=tuple(cutters))
-    program = read_program(file, machine, dialect=table.dialect, settings=reading)
-    tolerance = scene.simulation.compile_tolerance_mm
-    found = program_operations(
-        program.blocks, cutters, tolerance, shift=table.mounting.build(), text=text, headings=program.operations
-    )
-    if not found:
-        listed = ", ".join(f"T{number} M06" for number in sorted(cutters))
-        raise InputError(f"{file}: it moves none of the scene's tools; expected {listed} and moves behind it")
-    return found, program.notes
+@dataclass(frozen=True)
+class _Plan:
+    """What the inspections are made of; ``own`` names the motion that generates the surfaces (empty: none does)."""
 
+    scene: ProgramScene
+    part: Part
+    box: DexelBox | None
+    judged: tuple[str, ...]
+    read: ReadFile
+    own: str
 
-def _cl_data(scene: ProgramScene, file: Path) -> tuple[tuple[Operation, ...], tuple[str, ...]]:
-    (cutter,), shift = scene.cutters().values(), scene.toolpath.mounting.build()
-    program = parse_cl(read_cl_text(file), str(file))
-    notes = (*check_cutter(program.cutter, cutter, scene.toolpath.file), *program.notes)
-    sources = [MovedMotion(CLMotion(p.tips, p.axes), shift) for p in program.paths]
-    rapid = [p.name == RAPID for p in program.paths]
-    whole = operation("CL data", cutter, sources, scene.simulation.compile_tolerance_mm, rapid=rapid)
-    return (whole,), tuple(f"CL file: {note}" for note in notes)
+    def inspections(self) -> Iterator[Inspection]:
+        grids = tuple(self._dense(name) for name in self.part.surfaces)
+        yield from grids
+        yield from (self._coarse(side) for side in SIDES if side in self.part.surfaces)
+        if self.box is not None:
+            yield RapidInspection(PROGRAM, self.box, self.read.move)
+            yield DexelInspection(PROGRAM, self.box, grids)
+        if self.read.program is not None:
+            unknown = (float("nan"),) * len(self.read.program.operations)
+            yield ProgramInspection(PROGRAM, self.read.program, unknown)
 
+    def _dense(self, surface: str) -> GridInspection:
+        m, judged = self.scene.metrology, surface in self.judged
+        motions = (self.own,) if self.own else ()
+        return GridInspection(
+            surface, (PROGRAM, *motions), motions, m.rows, m.columns, m.margin, m.window,
+            judged=(PROGRAM,) if judged else (), generating=self.own, last=LAST if judged else "",
+        )  # fmt: skip
 
-def _inspections(
-    scene: ProgramScene, part: Part, box: DexelBox | None, judged: tuple[str, ...], move: str
-) -> Iterator[Inspection]:
-    m = scene.metrology
-    grids = tuple(
-        GridInspection(
-            name, (PROGRAM,), (), m.rows, m.columns, m.margin, m.window,
-            judged=(PROGRAM,) if name in judged else (), last=LAST if name in judged else "",
-        )
-        for name in part.surfaces
-    )  # fmt: skip
-    yield from grids
-    if box is not None:
-        yield RapidInspection(PROGRAM, box, move)
-        yield DexelInspection(PROGRAM, box, grids)
+    def _coarse(self, side: str) -> GridInspection:
+        m = self.scene.metrology
+        return GridInspection(
+            side, (PROGRAM,), (), m.inspection_rows, m.inspection_columns, m.inspection_margin, m.window, rotated=True,
+            name=COARSE,
+        )  # fmt: skip

@@ -60,7 +60,7 @@ def plan(scene: FlankMillingScene, folder: Path) -> Job:
         files["program.nc"] = machine_program(scene, scene.program, program, cutter)
     return Job(
         name=scene.name,
-        part=bevel_part(tooth, scene.surface.mate_teeth, limits),
+        part=bevel_part(tooth, tooth.blank.mate(scene.surface.mate_teeth).stock, limits),
         variants=tuple(_variants(scene, program, planners, cutter)),
         main=PROGRAM,
         inspections=tuple(_inspections(scene, tooth, program, planners)),

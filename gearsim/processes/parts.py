@@ -5,15 +5,18 @@ from __future__ import annotations
 from pathlib import Path
 from typing import NamedTuple
 
+from gearsim.geometry.turned import Turned
 from gearsim.metrology.dexel_check import slot_box
 from gearsim.metrology.gear_section import space_box
-from gearsim.processes.frames import FACE_FRAME, GEAR_FRAME, NET_FRAME
-from gearsim.scene.any_program import AnySurface
+from gearsim.processes.frames import FACE_FRAME, GEAR_FRAME, NET_FRAME, PINION_FRAME
+from gearsim.scene.any_program import ProgramScene
 from gearsim.scene.cylindrical import CylindricalGearTable
+from gearsim.scene.generated import HypoidTable
 from gearsim.scene.sculptured import NurbsTable
 from gearsim.simulation.dexels import DexelBox
 from gearsim.surfaces.cylindrical_gear import SIDES as GEAR_SIDES
 from gearsim.surfaces.gear_stock import gear_stock
+from gearsim.surfaces.hypoid import HypoidPinion
 from gearsim.surfaces.part import Intended, Part, Tolerance
 from gearsim.surfaces.patch import SIDES, Tooth
 from gearsim.surfaces.reached_flank import ReachedFlank
@@ -26,28 +29,33 @@ class Limits(NamedTuple):
     root: Tolerance
 
 
-def bevel_part(tooth: Tooth, mate_teeth: int, limits: Limits) -> Part:
+def bevel_part(tooth: Tooth | HypoidPinion, mate: Turned | None, limits: Limits) -> Part:
     """A bevel gear's slot: flanks, fillets and bottom land, cut into its blank. Raises InputError for no gear's."""
     tooth.check()
     surfaces: dict[str, Intended] = {side: Intended(tooth.flank(side), limits.flank) for side in SIDES}
     surfaces |= {p.name: Intended(p, limits.root) for p in tooth.patches if p.part != "flank"}
-    return Part(GEAR_FRAME, tooth.blank.stock, surfaces, tooth.blank.mate(mate_teeth).stock)
+    frame = PINION_FRAME if isinstance(tooth, HypoidPinion) else GEAR_FRAME
+    return Part(frame, tooth.blank.stock, surfaces, mate)
 
 
 def part_of(
-    surface: AnySurface, folder: Path, limits: Limits, window: float, pitch: float
+    scene: ProgramScene, tooth: Tooth | HypoidPinion | None, folder: Path, limits: Limits
 ) -> tuple[Part, DexelBox | None]:
-    """The part that a surface table describes, and the box of its tri-dexel with rays ``pitch`` [mm] apart.
+    """The part that a scene's surface describes, and the box of its tri-dexel (None for a surface without a blank).
 
-    ``window`` [mm] is how far from a surface without a blank the machined one is looked for; then there is no box.
+    ``tooth`` is the scene's own (see `ProgramScene.tooth`).
+
+    Raises InputError where the geometry is impossible or a file of ``folder`` cannot be used.
     """
+    surface, pitch = scene.surface, scene.simulation.dexel_pitch_mm
     if isinstance(surface, NurbsTable):
-        net = surface.build(folder, window)
+        net = surface.build(folder, scene.metrology.window_mm)
         return Part(NET_FRAME, None, {net.name: Intended(net, limits.flank)}), None
     if isinstance(surface, CylindricalGearTable):
         gear = surface.gear()
         ends = gear.root_roll, gear.tip_roll
         flanks = {str(s): Intended(ReachedFlank(gear, s, 0, surface.design(), ends), limits.flank) for s in GEAR_SIDES}
         return Part(FACE_FRAME, gear_stock(gear, surface.rim_mm), flanks), space_box(gear, pitch)
-    tooth = surface.build()
-    return bevel_part(tooth, surface.mate_teeth, limits), slot_box(tooth.patches, tooth.blank, pitch)
+    assert tooth is not None
+    mate = None if isinstance(surface, HypoidTable) else tooth.blank.mate(surface.mate_teeth).stock
+    return bevel_part(tooth, mate, limits), slot_box(tooth.patches, tooth.blank, pitch)

@@ -1,4 +1,4 @@
-"""Scenes of any surface cut by a program of the user's own: G-code or CL data, by one tool or several."""
+"""Scenes of any surface cut by a program of the user's own: G-code, CL data or axis values, by one tool or several."""
 
 from __future__ import annotations
 
@@ -13,16 +13,21 @@ from gearsim.cutters.profile import Profile
 from gearsim.errors import InputError
 from gearsim.geometry.rigid import Rigid
 from gearsim.machines.chain import Machine
-from gearsim.scene.bevel import Number
+from gearsim.scene.bevel import GeneratorTable, Number
 from gearsim.scene.catalogue import AnyCutter, AnyMachine
 from gearsim.scene.cylindrical import CylindricalGearTable
 from gearsim.scene.flank_milling import FaceMilledFlankTable, RuledBevelTable
+from gearsim.scene.generated import FaceMilledTable, HeadTable, HypoidTable
 from gearsim.scene.sculptured import NurbsTable
 from gearsim.scene.tables import Count, Length, Scene, Table
+from gearsim.surfaces.hypoid import HypoidPinion
+from gearsim.surfaces.patch import Tooth
 
 GCODE = frozenset((".nc", ".ngc", ".tap", ".cnc", ".mpf", ".eia", ".gcode", ".ncc"))
+AXIS_TABLE = ".csv"
 AnySurface = Annotated[
-    RuledBevelTable | FaceMilledFlankTable | CylindricalGearTable | NurbsTable, Field(discriminator="kind")
+    RuledBevelTable | FaceMilledFlankTable | FaceMilledTable | HypoidTable | CylindricalGearTable | NurbsTable,
+    Field(discriminator="kind"),
 ]
 Vector = tuple[Number, Number, Number]
 
@@ -53,7 +58,8 @@ class MountingTable(Table):
 
 
 class ProgramPathTable(Table):
-    """Table [toolpath] of kind ``program``: a ``file`` of G-code in a ``dialect``, by its ending, or of CL data.
+    """Table [toolpath] of kind ``program``: a ``file`` of G-code in a ``dialect``, of axis values (``.csv``), or of CL
+    data, by its ending.
 
     ``work_offset`` stands on the program's origin: moves in another one are refused, as their place is unknown.
     """
@@ -68,11 +74,16 @@ class ProgramPathTable(Table):
     def is_gcode(self) -> bool:
         return PurePath(self.file).suffix.lower() in GCODE
 
+    @property
+    def is_axis_table(self) -> bool:
+        return PurePath(self.file).suffix.lower() == AXIS_TABLE
+
 
 class ProgramMetrologyTable(Table):
     """Table [metrology]: a dense grid on every surface; ``judged`` names those that have a tolerance (none: all).
 
     ``root_tolerance_um`` is for cuts into fillets and bottom lands (default: the tolerance), where material may stay.
+    ``inspection_...``: an inspector's grid on the flanks of bevel gears.
     """
 
     tolerance_um: Length
@@ -81,14 +92,24 @@ class ProgramMetrologyTable(Table):
     rows: Count = 21
     columns: Count = 65
     margin: float = Field(default=0.01, gt=0.0, lt=0.5)
+    inspection_rows: Count = 5
+    inspection_columns: Count = 9
+    inspection_margin: float = Field(default=0.1, gt=0.0, lt=0.5)
     window: float = Field(default=1.0, gt=0.0, le=4.0)
     window_mm: Length = 5.0
 
 
 class ProgramScene(Scene):
-    """Any surface, a program of the user's own, and its tools: one [cutter], or [[tools]] by their numbers."""
+    """Any surface, a program of the user's own, and its tools: one [cutter], or [[tools]] by their numbers.
+
+    What generates a ``face-milled`` or ``hypoid-pinion`` surface, [head] (default: the [cutter]) with [generator] and
+    [convex], cuts nothing here: it says which tooth is meant.
+    """
 
     surface: AnySurface
+    head: AnyCutter | None = None
+    generator: GeneratorTable | None = None
+    convex: HeadTable | None = None
     cutter: AnyCutter | None = None
     tools: tuple[ProgramToolTable, ...] = ()
     machine: AnyMachine | None = None
@@ -102,11 +123,44 @@ class ProgramScene(Scene):
         numbers = [tool.number for tool in self.tools]
         if len(set(numbers)) < len(numbers):
             raise ValueError(f"tools: numbers {numbers} must differ")
-        if self.toolpath.is_gcode and self.machine is None:
-            raise ValueError("machine: missing; G-code is run by a [machine]")
+        kind = "G-code is" if self.toolpath.is_gcode else "axis values are" if self.toolpath.is_axis_table else ""
+        if kind and self.machine is None:
+            raise ValueError(f"machine: missing; {kind} run by a [machine]")
         if not self.toolpath.is_gcode and len(numbers) > 1:
-            raise ValueError("tools: CL data is cut with one tool; give one [cutter]")
+            raise ValueError("tools: CL data and axis values are cut with one tool; give one [cutter]")
         return self
+
+    @model_validator(mode="after")
+    def _generation(self) -> ProgramScene:
+        kind, given = self.surface.kind, (self.head, self.generator, self.convex)
+        names = [n for n, table in zip(("head", "generator", "convex"), given, strict=True) if table is not None]
+        if not isinstance(self.surface, FaceMilledTable | HypoidTable):
+            if names:
+                raise ValueError(f"{names[0]}: only face-milled and hypoid-pinion surfaces are generated, not {kind}")
+            return self
+        if self.generator is None:
+            raise ValueError(f"generator: missing; its settings say which {kind} tooth is meant")
+        if self.head is None and (self.cutter is None or self.cutter.kind != "face-mill-head"):
+            raise ValueError(
+                f"head: missing; the tools are no face-mill-head, so [head] says which {kind} tooth is meant"
+            )
+        if self.convex is not None and not isinstance(self.surface, HypoidTable):
+            raise ValueError(f"convex: only hypoid-pinion surfaces have a cut of their own for it, not {kind}")
+        return self
+
+    def tooth(self) -> Tooth | HypoidPinion | None:
+        """The bevel gear's tooth that is meant; None for another surface. Raises InputError for an impossible one."""
+        if isinstance(self.surface, RuledBevelTable | FaceMilledFlankTable):
+            return self.surface.build()
+        if not isinstance(self.surface, FaceMilledTable | HypoidTable):
+            return None
+        made_by = self.head or self.cutter
+        assert made_by is not None
+        assert self.generator is not None
+        head = made_by.build()
+        if isinstance(self.surface, HypoidTable):
+            return self.surface.pinion(head, self.generator, self.convex)
+        return self.surface.tooth(head, self.generator)
 
     def cutters(self) -> dict[int, Profile]:
         """The cutters by their numbers."""
@@ -118,9 +172,5 @@ class ProgramScene(Scene):
         return None if self.machine is None else self.machine.build()
 
     def builders(self) -> tuple[Callable[[], object], ...]:
-        shape: tuple[Callable[[], object], ...] = ()
-        if isinstance(self.surface, CylindricalGearTable):
-            shape = (self.surface.gear,)
-        elif not isinstance(self.surface, NurbsTable):
-            shape = (self.surface.build,)
-        return (self.cutters, self.controller, self.toolpath.mounting.build, *shape)
+        shape = self.surface.gear if isinstance(self.surface, CylindricalGearTable) else self.tooth
+        return (self.cutters, self.controller, self.toolpath.mounting.build, shape)

@@ -92,6 +92,10 @@ class FaceMilledTable(BevelBlankTable):
     kind: Literal["face-milled"]
     generated: bool = True
 
+    def tooth(self, head: Profile, generator: GeneratorTable) -> FaceMilledTooth:
+        """The slot that a head leaves. Raises InputError for another tool."""
+        return FaceMilledTooth(self.blank(), head, generator.build(), self.generated)
+
 
 class FaceMillingScene(GeneratedScene):
     """One slot of a spiral bevel gear cut by a head on a cradle generator."""
@@ -100,16 +104,10 @@ class FaceMillingScene(GeneratedScene):
     generator: GeneratorTable
 
     def tooth(self) -> FaceMilledTooth:
-        return FaceMilledTooth(self.surface.blank(), self.tool(), self.generator.build(), self.surface.generated)
+        return self.surface.tooth(self.tool(), self.generator)
 
     def builders(self) -> tuple[Callable[[], object], ...]:
         return (self.tooth,)
-
-
-class HypoidTable(HypoidBlankTable):
-    """Table [surface] of kind ``hypoid-pinion``."""
-
-    kind: Literal["hypoid-pinion"]
 
 
 class HeadTable(Table):
@@ -117,6 +115,20 @@ class HeadTable(Table):
 
     cutter: AnyCutter
     generator: GeneratorTable
+
+
+class HypoidTable(HypoidBlankTable):
+    """Table [surface] of kind ``hypoid-pinion``."""
+
+    kind: Literal["hypoid-pinion"]
+
+    def pinion(self, head: Profile, generator: GeneratorTable, convex: HeadTable | None) -> HypoidPinion:
+        """The slot that one head leaves, or one for each flank. Raises InputError where they do not fit."""
+        blank = self.blank()
+        concave = FaceMilledTooth(blank, head, generator.build())
+        if convex is None:
+            return HypoidPinion(concave, concave)
+        return HypoidPinion(concave, FaceMilledTooth(blank, convex.cutter.build(), convex.generator.build()))
 
 
 class RollTable(Table):
@@ -136,12 +148,7 @@ class HypoidScene(GeneratedScene):
     toolpath: RollTable = RollTable()
 
     def pinion(self) -> HypoidPinion:
-        blank = self.surface.blank()
-        concave = FaceMilledTooth(blank, self.tool(), self.generator.build())
-        if self.convex is None:
-            return HypoidPinion(concave, concave)
-        own = FaceMilledTooth(blank, self.convex.cutter.build(), self.convex.generator.build())
-        return HypoidPinion(concave, own)
+        return self.surface.pinion(self.tool(), self.generator, self.convex)
 
     def machines(self) -> dict[str, Machine]:
         return {name: table.build() for name, table in self.machine.items()}

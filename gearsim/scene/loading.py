@@ -13,7 +13,7 @@ from typing import Any, get_args
 from pydantic import ValidationError
 
 from gearsim.errors import InputError, read_input
-from gearsim.scene.any_program import GCODE, ProgramScene
+from gearsim.scene.any_program import AXIS_TABLE, GCODE, ProgramScene
 from gearsim.scene.cylindrical import CylindricalGearScene
 from gearsim.scene.flank_milling import FlankMillingScene
 from gearsim.scene.generated import EnvelopeScene, FaceMillingScene, HypoidScene
@@ -33,7 +33,8 @@ SCENES: dict[str, type[Scene]] = {
 
 
 _CL_READERS = ("ruled-bevel", "face-milled-flank")
-_ANY = (*_CL_READERS, "cylindrical-gear", "nurbs")
+_PLANNED = {"nurbs": ("contact", "drop")}  # what toolpath.kind names beside "program"; other planners have one kind
+_OF_ONE_MOTION = ("envelope", "gouge-example")  # surfaces that are nothing without their scene's own motion
 
 
 def scene_names() -> dict[str, str]:
@@ -106,17 +107,34 @@ def _model(data: dict[str, Any], label: str) -> type[Scene]:
         near = get_close_matches(str(kind), SCENES, n=1, cutoff=0.4)
         hint = f"did you mean {near[0]!r}?" if near else f"there are {', '.join(SCENES)}"
         raise _input_error(label, [f"surface.kind: {'missing' if kind is None else f'got {kind!r}'}; {hint}"])
-    return ProgramScene if _own_program(kind, data) else SCENES[kind]
+    return ProgramScene if _own_program(kind, data, label) else SCENES[kind]
 
 
-def _own_program(kind: str, data: dict[str, Any]) -> bool:
-    """Whether the toolpath is a file that scenes of the surface's own kind do not read."""
+def _own_program(kind: str, data: dict[str, Any], label: str) -> bool:
+    """Whether the toolpath is a file that scenes of the surface's own kind do not read.
+
+    Raises InputError where a surface is not cut along a toolpath of that kind.
+    """
     table = data.get("toolpath")
-    if kind not in _ANY or not isinstance(table, dict):
+    if not isinstance(table, dict):
         return False
-    file = table.get("file")
-    gcode = isinstance(file, str) and PurePath(file).suffix.lower() in GCODE
-    return table.get("kind") == "program" or gcode or (file is not None and kind not in _CL_READERS)
+    file, asked = table.get("file"), table.get("kind")
+    programs = kind not in _OF_ONE_MOTION
+    known = (*_PLANNED.get(kind, ()), *["program"] * programs)
+    if (asked is not None and asked not in known) or (file is not None and not programs):
+        raise _input_error(label, [_no_combination(kind, asked, known)])
+    gcode = isinstance(file, str) and PurePath(file).suffix.lower() in (*GCODE, AXIS_TABLE)
+    return asked == "program" or gcode or (file is not None and kind not in _CL_READERS)
+
+
+def _no_combination(kind: str, asked: Any, known: Sequence[str]) -> str:
+    """Which toolpaths cut a surface, where it is not the one asked for."""
+    if not known:
+        able = ", ".join(name for name in SCENES if name not in _OF_ONE_MOTION)
+        alone = f"toolpath: a surface of kind {kind!r} is made by its scene's own motion alone"
+        return f"{alone}; programs from a file cut {able}"
+    own = "" if kind in _PLANNED else "its own planner (no kind) or "
+    return f"toolpath.kind: got {asked!r}; a surface of kind {kind!r} is cut by {own}{' or '.join(map(repr, known))}"
 
 
 def _input_error(label: str, problems: list[str]) -> InputError:

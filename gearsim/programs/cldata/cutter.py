@@ -101,6 +101,20 @@ def apt_parameters(cutter: Profile | CutterSizes) -> tuple[float, ...]:
     return 2.0 * meet, r, e, f, degrees(alpha), degrees(beta), cutter.height
 
 
+def _is_apt(cutter: Profile) -> bool:
+    """Whether the seven numbers say all of a cutter."""
+    if cutter.is_ring or not cutter.is_convex:
+        return False
+    try:
+        stated = _apt(apt_parameters(cutter))
+    except InputError:
+        return False
+    if len(stated.elements) != len(cutter.elements):
+        return False
+    ends = (np.subtract(a.end, b.end) for a, b in zip(stated.elements, cutter.elements, strict=True))
+    return bool(np.max(np.abs(list(ends))) < 1e-6)
+
+
 def sizes_of(cutter: Profile) -> CutterSizes:
     """A cutter with a straight flank as CUTTER would state it, exactly."""
     return CutterSizes(apt_parameters(cutter), 0.0)
@@ -108,9 +122,11 @@ def sizes_of(cutter: Profile) -> CutterSizes:
 
 def check_cutter(theirs: CutterSizes | None, cutter: Profile, file: str) -> tuple[str, ...]:
     """Refuse a CL file made for another cutter than ``cutter`` (InputError); what could not be compared, in words."""
-    ours = sizes_of(cutter)
     if theirs is None:
         return ()
+    if not _is_apt(cutter):
+        return (f"{theirs} (line {theirs.line}) was not compared: the scene's {cutter.name} is no APT cutter",)
+    ours = sizes_of(cutter)
     if letters := theirs.differs(ours):
         where = f"{file} is for {theirs} (line {theirs.line})"
         raise InputError(f"{where}; the scene's [cutter] is {ours}: {', '.join(letters)} differ")
