@@ -58,6 +58,12 @@ def rapid_cut(blank: BevelBlank | None, place: NDArray, rays: int, name: str) ->
     return _place("rapid_cut", "blank", blank, place, None, True, text)
 
 
+def holder_cut(blank: BevelBlank | None, place: NDArray, rays: int, name: str) -> Finding:
+    """The first place where a holder, called ``name``, touches material: it fails, whatever the depth."""
+    text = f"{name} touches material: it cuts into what stands on {rays} rays"
+    return _place("holder_cut", "part", blank, place, None, True, text)
+
+
 def root_findings(
     patches: Sequence[tuple[SampleGrid, Deviation]], tolerances: Sequence[Tolerance | None]
 ) -> list[Finding]:  # fmt: skip

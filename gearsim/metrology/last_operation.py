@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -12,7 +14,8 @@ from gearsim.simulation.operation import Operation, Variant
 def made_last(name: str, whole: Variant, deviation: Deviation) -> Variant | None:
     """The rows, from the first to the last that cut a surface under the program's last heading; one tool's.
 
-    None where nothing under that heading cuts a sample. ``deviation`` is that under the ``whole`` program.
+    None where nothing under that heading cuts a sample. ``deviation`` is that under the ``whole`` program. Where a
+    rapid made a sample, rapids count as feeds, or only one road would know of its cut.
     """
     segment = np.unique(deviation.segment[deviation.segment >= 0])
     last = max(int(o.section.max(initial=-1)) for o in whole.operations)
@@ -21,6 +24,8 @@ def made_last(name: str, whole: Variant, deviation: Deviation) -> Variant | None
         mine = segment[(segment >= row) & (segment < row + len(operation))] - row
         mine = mine[operation.section[mine] == last]
         if len(mine):
+            if operation.rapid[mine].any():
+                operation = replace(operation, rapid=np.zeros(len(operation), dtype=bool))
             return Variant(name, f"the blocks of the last operation that made the surface ({operation.name})",
                            (_between(operation, operation.step[mine]),))  # fmt: skip
     return None

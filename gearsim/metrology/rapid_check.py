@@ -13,8 +13,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gearsim.geometry.rays import RayBundle, join_rays
-from gearsim.geometry.rigid import Rigid
 from gearsim.geometry.turned import Turned
+from gearsim.metrology.chords import blank_rays, stock_chords
 from gearsim.metrology.findings import rapid_cut
 from gearsim.metrology.inspection import Cut, Reading, Steps
 from gearsim.simulation.dexels import DexelBox
@@ -24,7 +24,6 @@ from gearsim.simulation.operation import Variant
 if TYPE_CHECKING:
     from gearsim.metrology.job import Job
 
-_CELLS = 128
 _SEEN_MM = 1e-6
 
 
@@ -35,16 +34,6 @@ class RapidTouch:
     step: int
     place: NDArray[np.floating]
     rays: int
-
-
-def blank_rays(stock: Turned) -> RayBundle:
-    """Rays along x, y and z through a whole blank, 128 cells along its longest edge."""
-    radius = float(stock.polygon[:, 0].max())
-    low, high = float(stock.polygon[:, 1].min()), float(stock.polygon[:, 1].max())
-    lower, upper = np.array([-radius, -radius, low]), np.array([radius, radius, high])
-    pitch = min(float((upper - lower).max()) / _CELLS, float((upper - lower).min()))
-    box = DexelBox(Rigid(np.eye(3), np.zeros(3)), lower, upper, pitch)
-    return join_rays([box.rays(axis) for axis in range(3)])
 
 
 @dataclass(frozen=True)
@@ -94,11 +83,7 @@ def rapid_touch(stock: Turned, rays: RayBundle, variant: Variant, rapid: NDArray
 
     ``rapid`` (n,) says of every step of the program, in its order, whether it is one.
     """
-    ray, start, end = stock.chords(rays.origin, rays.direction)
-    start, end = np.maximum(start, rays.start[ray]), np.minimum(end, rays.end[ray])
-    inside = end - start > _SEEN_MM
-    ray, start, end = ray[inside], start[inside], end[inside]
-    chords = RayBundle(rays.origin[ray], rays.direction[ray], start, end)
+    chords = stock_chords(stock, rays, _SEEN_MM)
     if not rapid.any() or not len(chords):
         return None
     chords = chords.part(_touched(chords, (yield from _ask(chords, variant, rapid))))

@@ -10,6 +10,7 @@ from pathlib import Path
 from gearsim.errors import InputError
 from gearsim.metrology.dexel_check import DexelInspection
 from gearsim.metrology.grid import COARSE, GridInspection
+from gearsim.metrology.holder_check import HolderInspection
 from gearsim.metrology.inspection import Inspection
 from gearsim.metrology.job import Job
 from gearsim.metrology.program_times import ProgramInspection
@@ -84,6 +85,8 @@ class _Plan:
         if self.box is not None:
             yield RapidInspection(PROGRAM, self.box, self.read.move)
             yield DexelInspection(PROGRAM, self.box, grids)
+        if self.scene.holders():
+            yield HolderInspection(PROGRAM, grids, self.box)
         if self.read.program is not None:
             unknown = (float("nan"),) * len(self.read.program.operations)
             yield ProgramInspection(PROGRAM, self.read.program, unknown)

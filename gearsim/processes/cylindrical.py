@@ -16,6 +16,7 @@ from gearsim.metrology.gear_reach import ReachInspection
 from gearsim.metrology.gear_roughness import RoughnessInspection
 from gearsim.metrology.gear_section import SectionInspection, SpaceInspection, section_rays, space_box
 from gearsim.metrology.grid import GridInspection
+from gearsim.metrology.holder_check import HolderInspection
 from gearsim.metrology.inspection import Inspection
 from gearsim.metrology.job import Job
 from gearsim.metrology.program_times import ProgramInspection
@@ -64,7 +65,7 @@ def plan(scene: CylindricalGearScene, folder: Path) -> Job:
     finishing = scene.finishing()
     probed = ProbedGear(gear, {side: _reached(gear, side, finishing) for side in SIDES}, finishing.modification)
     tolerance, real = scene.simulation.compile_tolerance_mm, disturbance(scene.errors)
-    whole = disturbed_operations(program.blocks, tools, real, tolerance, text, program.operations)
+    whole = disturbed_operations(program.blocks, tools, real, tolerance, text, program.operations, scene.holders())
     variants, inspections = [Variant(PROGRAM, "the whole program", whole)], list(_inspections(scene, probed))
     feeds = [np.nan] * len(program.operations) if scene.program.file else [step.cutting.feed for step in steps]
     inspections.append(ProgramInspection(PROGRAM, program, tuple(feeds)))
@@ -130,6 +131,8 @@ def _inspections(scene: CylindricalGearScene, probed: ProbedGear) -> Iterator[In
     yield from grids
     box = space_box(gear, scene.simulation.dexel_pitch_mm)
     yield RapidInspection(PROGRAM, box, "the rapid move of line {line}")
+    if scene.holders():
+        yield HolderInspection(PROGRAM, grids, box)
     yield ReachInspection(PROGRAM, probed, scene.finishing().cutting.tool.diameter)
     yield SpaceInspection(DexelInspection(PROGRAM, box, grids), gear, dict(probed.reached))
     yield RoughnessInspection(PROGRAM, probed)

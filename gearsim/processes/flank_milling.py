@@ -10,6 +10,7 @@ from gearsim.cutters.profile import Profile
 from gearsim.metrology.convergence import Series
 from gearsim.metrology.dexel_check import DexelInspection, slot_box
 from gearsim.metrology.grid import COARSE, GridInspection
+from gearsim.metrology.holder_check import HolderInspection
 from gearsim.metrology.inspection import Inspection
 from gearsim.metrology.job import Job
 from gearsim.metrology.mean_profile import ProfileInspection, Published
@@ -60,7 +61,7 @@ def plan(scene: FlankMillingScene, folder: Path) -> Job:
         files["program.nc"] = machine_program(scene, scene.program, program, cutter)
     return Job(
         name=scene.name,
-        part=bevel_part(tooth, tooth.blank.mate(scene.surface.mate_teeth).stock, limits),
+        part=bevel_part(tooth, limits, mate=tooth.blank.mate(scene.surface.mate_teeth).stock),
         variants=tuple(_variants(scene, program, planners, cutter)),
         main=PROGRAM,
         inspections=tuple(_inspections(scene, tooth, program, planners)),
@@ -83,7 +84,8 @@ def _variants(
 ) -> Iterator[Variant]:
     tolerance = scene.simulation.compile_tolerance_mm
     sources = [CLMotion(p.tips, p.axes) for p in program.paths]
-    whole = operation("CL data", cutter, sources, tolerance, rapid=[p.name == RAPID for p in program.paths])
+    rapid = [p.name == RAPID for p in program.paths]
+    whole = operation("CL data", cutter, sources, tolerance, rapid=rapid, holder=scene.held())
     yield Variant(PROGRAM, _CONVENTIONS[PROGRAM], (whole,))
     for side in SIDES:
         own = own_paths(program, side)
@@ -128,6 +130,8 @@ def _inspections(
         height = float(tooth.blank.mid_working_depth_at(tooth.blank.mean))
         yield ProfileInspection(side, motions[0], m.profile_offsets_mm, height, _published(scene.reference, side))
     yield RapidInspection(PROGRAM, box, "rapid move {number} of the CL data")
+    if scene.holder is not None:
+        yield HolderInspection(PROGRAM, tuple(dense), box)
     root = tuple(p.name for p in tooth.patches if p.part != "flank")
     yield RootInspection(root, PROGRAM, max(3, m.rows // 2), m.columns, m.margin, m.window)
     yield DexelInspection(PROGRAM, box, tuple(dense))

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from functools import partial
 from typing import NamedTuple
 
+from gearsim.cutters.profile import Profile
 from gearsim.machines.chain import Machine
 from gearsim.metrology.gear_budget import BudgetInspection
 from gearsim.metrology.gear_iso import GearProbing, ProbedGear
@@ -83,12 +84,14 @@ def gear_budget(
 
 def disturbed_operations(
     blocks: Blocks, tools: dict[int, Tool], real: Disturbance, tolerance: float, text: str = "",
-    headings: tuple[str, ...] = (),
+    headings: tuple[str, ...] = (), holders: Mapping[int, Profile] | None = None,
 ) -> tuple[Machined, ...]:  # fmt: skip
     """A program's operations as a disturbed machine runs them, relative to the gear."""
     run = replace(blocks, machine=real.machine(blocks.machine))
     cutters = {number: real.cutter(tool) for number, tool in tools.items() if number in set(blocks.tool.tolist())}
-    return program_operations(run, cutters, tolerance, shift=real.mounting, text=text, headings=headings)
+    return program_operations(
+        run, cutters, tolerance, shift=real.mounting, text=text, headings=headings, holders=holders
+    )
 
 
 def causes(plan: _Planner, sizes: BudgetTable) -> Iterator[Cause]:

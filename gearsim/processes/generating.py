@@ -22,8 +22,6 @@ def generating(tooth: Tooth | HypoidPinion | None, tolerance: float) -> tuple[Va
         return (_variant(tooth, tooth.patches, tolerance),)
     if not isinstance(tooth, HypoidPinion):
         return ()
-    if tooth.concave == tooth.convex:
-        return (_variant(tooth.concave, tooth.patches, tolerance),)
     both = {"concave": tooth.concave, "convex": tooth.convex}
     return tuple(_variant(cut, [p for p in tooth.patches if p.side == side], tolerance) for side, cut in both.items())
 

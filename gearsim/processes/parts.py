@@ -29,12 +29,11 @@ class Limits(NamedTuple):
     root: Tolerance
 
 
-def bevel_part(tooth: Tooth | HypoidPinion, mate: Turned | None, limits: Limits) -> Part:
+def bevel_part(tooth: Tooth | HypoidPinion, limits: Limits, *, mate: Turned | None, frame: str = GEAR_FRAME) -> Part:
     """A bevel gear's slot: flanks, fillets and bottom land, cut into its blank. Raises InputError for no gear's."""
     tooth.check()
     surfaces: dict[str, Intended] = {side: Intended(tooth.flank(side), limits.flank) for side in SIDES}
     surfaces |= {p.name: Intended(p, limits.root) for p in tooth.patches if p.part != "flank"}
-    frame = PINION_FRAME if isinstance(tooth, HypoidPinion) else GEAR_FRAME
     return Part(frame, tooth.blank.stock, surfaces, mate)
 
 
@@ -57,5 +56,7 @@ def part_of(
         flanks = {str(s): Intended(ReachedFlank(gear, s, 0, surface.design(), ends), limits.flank) for s in GEAR_SIDES}
         return Part(FACE_FRAME, gear_stock(gear, surface.rim_mm), flanks), space_box(gear, pitch)
     assert tooth is not None
-    mate = None if isinstance(surface, HypoidTable) else tooth.blank.mate(surface.mate_teeth).stock
-    return bevel_part(tooth, mate, limits), slot_box(tooth.patches, tooth.blank, pitch)
+    box = slot_box(tooth.patches, tooth.blank, pitch)
+    if isinstance(surface, HypoidTable):
+        return bevel_part(tooth, limits, mate=None, frame=PINION_FRAME), box
+    return bevel_part(tooth, limits, mate=tooth.blank.mate(surface.mate_teeth).stock), box

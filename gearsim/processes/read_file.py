@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from pathlib import Path
 
+from gearsim.cutters.profile import Profile
 from gearsim.errors import InputError, read_input
 from gearsim.motion.axes import AxisMotion
 from gearsim.motion.sources import CLMotion, MovedMotion
@@ -47,8 +48,9 @@ def _gcode(scene: ProgramScene, file: Path) -> ReadFile:
     program = read_program(file, machine, dialect=table.dialect, settings=reading)
     tolerance = scene.simulation.compile_tolerance_mm
     found = program_operations(
-        program.blocks, cutters, tolerance, shift=table.mounting.build(), text=text, headings=program.operations
-    )
+        program.blocks, cutters, tolerance, shift=table.mounting.build(), text=text, headings=program.operations,
+        holders=scene.holders(),
+    )  # fmt: skip
     if not found:
         listed = ", ".join(f"T{number} M06" for number in sorted(cutters))
         raise InputError(f"{file}: it moves none of the scene's tools; expected {listed} and moves behind it")
@@ -61,7 +63,9 @@ def _cl_data(scene: ProgramScene, file: Path) -> ReadFile:
     notes = (*check_cutter(program.cutter, cutter, scene.toolpath.file), *program.notes)
     sources = [MovedMotion(CLMotion(p.tips, p.axes), shift) for p in program.paths]
     rapid = [p.name == RAPID for p in program.paths]
-    whole = operation("CL data", cutter, sources, scene.simulation.compile_tolerance_mm, rapid=rapid)
+    whole = operation(
+        "CL data", cutter, sources, scene.simulation.compile_tolerance_mm, rapid=rapid, holder=_only(scene.holders())
+    )
     return ReadFile((whole,), tuple(f"CL file: {note}" for note in notes), "rapid move {number} of the CL data")
 
 
@@ -71,5 +75,11 @@ def _axis_table(scene: ProgramScene, file: Path) -> ReadFile:
     assert machine is not None
     table = parse_axis_table(read_input(file, "axis table"), machine, str(file))
     source = MovedMotion(AxisMotion(machine, table.values), shift)
-    whole = operation("axis table", cutter, [source], scene.simulation.compile_tolerance_mm)
+    tolerance, holder = scene.simulation.compile_tolerance_mm, _only(scene.holders())
+    whole = operation("axis table", cutter, [source], tolerance, holder=holder)
     return ReadFile((whole,), (), "rapid move {number}")
+
+
+def _only(holders: dict[int, Profile]) -> Profile | None:
+    """The holder of the one tool, where it is given."""
+    return next(iter(holders.values()), None)

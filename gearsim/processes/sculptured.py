@@ -9,6 +9,8 @@ from gearsim.cutters.profile import Profile
 from gearsim.gouging.choice import ContactInspection, MillInspection
 from gearsim.gouging.inspection import GougingInspection
 from gearsim.gouging.khan.inspection import WorkedInspection
+from gearsim.metrology.grid import GridInspection
+from gearsim.metrology.holder_check import HolderInspection
 from gearsim.metrology.inspection import Inspection
 from gearsim.metrology.job import Job
 from gearsim.processes.frames import NET_FRAME
@@ -30,9 +32,9 @@ def plan(scene: SculpturedScene, folder: Path) -> Job:
     tolerance = scene.simulation.compile_tolerance_mm
     variants = tuple(
         Variant(name, f"the {name}'s passes: {cutter.name}", (
-            operation(name, cutter, paths[name].motions(), tolerance),
+            operation(name, cutter, paths[name].motions(), tolerance, holder=scene.held() if k == 0 else None),
         ))
-        for name, cutter in tools.items()
+        for k, (name, cutter) in enumerate(tools.items())
     )  # fmt: skip
     limit = Tolerance(scene.metrology.tolerance_um, float("inf"))
     return Job(
@@ -52,6 +54,9 @@ def _inspections(scene: SculpturedScene, surface: str, paths: dict[str, Sculptur
     for name, path in paths.items():
         judged = name == names[0]
         yield GougingInspection(surface, name, path, m.rows, m.columns, m.margin, m.ring_mm, m.tolerance_um, judged)
+    if scene.holder is not None:
+        grid = GridInspection(surface, names[:1], (), m.rows, m.columns, m.margin)
+        yield HolderInspection(names[0], (grid,))
     mills, margin = scene.catalogue.build(), scene.catalogue.margin
     yield MillInspection(surface, names[0], mills, margin, max(m.rows, m.columns))
     yield ContactInspection(surface, names, scene.plot.u, scene.plot.v)

@@ -9,6 +9,7 @@ from typing import Annotated, Literal
 import numpy as np
 from pydantic import Field, model_validator
 
+from gearsim.cutters.end_mills import flat
 from gearsim.cutters.profile import Profile
 from gearsim.errors import InputError
 from gearsim.geometry.rigid import Rigid
@@ -18,6 +19,7 @@ from gearsim.scene.catalogue import AnyCutter, AnyMachine
 from gearsim.scene.cylindrical import CylindricalGearTable
 from gearsim.scene.flank_milling import FaceMilledFlankTable, RuledBevelTable
 from gearsim.scene.generated import FaceMilledTable, HeadTable, HypoidTable
+from gearsim.scene.holder import HolderTable
 from gearsim.scene.sculptured import NurbsTable
 from gearsim.scene.tables import Count, Length, Scene, Table
 from gearsim.surfaces.hypoid import HypoidPinion
@@ -33,10 +35,33 @@ Vector = tuple[Number, Number, Number]
 
 
 class ProgramToolTable(Table):
-    """An entry of [[tools]]: a cutter of any kind by its T number."""
+    """An entry of [[tools]] by its T number: a ``cutter`` of any kind, or an end mill as cylindrical gears list it."""
 
-    number: int = Field(ge=1, le=99_999_999)
-    cutter: AnyCutter
+    number: int = Field(default=1, ge=1, le=99_999_999)
+    cutter: AnyCutter | None = None
+    holder: HolderTable | None = None
+    name: str = "end mill"
+    diameter_mm: Length | None = None
+    flute_length_mm: Length | None = None
+    flutes: int = Field(default=1, ge=1, le=20)
+
+    @model_validator(mode="after")
+    def _one_shape(self) -> ProgramToolTable:
+        mill = self.model_fields_set & {"name", "diameter_mm", "flute_length_mm", "flutes"}
+        if self.cutter is not None and mill:
+            raise ValueError(f"a cutter needs no {', '.join(sorted(mill))}; its own table says all of it")
+        if self.cutter is None and (self.diameter_mm is None or self.flute_length_mm is None):
+            raise ValueError("give a cutter, or diameter_mm and flute_length_mm of an end mill")
+        return self
+
+    def build(self) -> Profile:
+        """The tool's shape. Raises InputError for an impossible one."""
+        if self.cutter is not None:
+            profile: Profile = self.cutter.build()
+            return profile
+        assert self.diameter_mm is not None
+        assert self.flute_length_mm is not None
+        return flat(self.diameter_mm, self.flute_length_mm)
 
 
 class MountingTable(Table):
@@ -111,6 +136,7 @@ class ProgramScene(Scene):
     generator: GeneratorTable | None = None
     convex: HeadTable | None = None
     cutter: AnyCutter | None = None
+    holder: HolderTable | None = None
     tools: tuple[ProgramToolTable, ...] = ()
     machine: AnyMachine | None = None
     toolpath: ProgramPathTable
@@ -120,6 +146,8 @@ class ProgramScene(Scene):
     def _tools_and_machine(self) -> ProgramScene:
         if (self.cutter is None) == (not self.tools):
             raise ValueError("give one [cutter], which is tool 1, or [[tools]] with their numbers; not both, not none")
+        if self.tools and self.holder is not None:
+            raise ValueError("holder: it belongs to [cutter]; give every entry of [[tools]] its own")
         numbers = [tool.number for tool in self.tools]
         if len(set(numbers)) < len(numbers):
             raise ValueError(f"tools: numbers {numbers} must differ")
@@ -159,18 +187,25 @@ class ProgramScene(Scene):
         assert self.generator is not None
         head = made_by.build()
         if isinstance(self.surface, HypoidTable):
-            return self.surface.pinion(head, self.generator, self.convex)
+            pinion = self.surface.pinion(head, self.generator, self.convex)
+            return pinion.concave if self.convex is None else pinion
         return self.surface.tooth(head, self.generator)
 
     def cutters(self) -> dict[int, Profile]:
         """The cutters by their numbers."""
         if self.cutter is not None:
             return {1: self.cutter.build()}
-        return {tool.number: tool.cutter.build() for tool in self.tools}
+        return {tool.number: tool.build() for tool in self.tools}
+
+    def holders(self) -> dict[int, Profile]:
+        """What stands above the cutters, where it is given, by their numbers."""
+        given = {1: self.holder, **{tool.number: tool.holder for tool in self.tools}}
+        cutters = self.cutters()
+        return {n: table.build(cutters[n].height) for n, table in given.items() if table is not None}
 
     def controller(self) -> Machine | None:
         return None if self.machine is None else self.machine.build()
 
     def builders(self) -> tuple[Callable[[], object], ...]:
         shape = self.surface.gear if isinstance(self.surface, CylindricalGearTable) else self.tooth
-        return (self.cutters, self.controller, self.toolpath.mounting.build, shape)
+        return (self.cutters, self.holders, self.controller, self.toolpath.mounting.build, shape)

@@ -8,6 +8,7 @@ from typing import Annotated, Literal
 
 from pydantic import Field, model_validator
 
+from gearsim.cutters.profile import Profile
 from gearsim.machines.chain import Machine
 from gearsim.scene.bevel import Number
 from gearsim.scene.catalogue import AnyMachine
@@ -196,7 +197,11 @@ class CylindricalGearScene(Scene):
         return machine
 
     def builders(self) -> tuple[Callable[[], object], ...]:
-        return (self.gear, self.surface.design, self.controller, self.program.options, self.paths)
+        return (self.gear, self.surface.design, self.controller, self.program.options, self.paths, self.holders)
+
+    def holders(self) -> dict[int, Profile]:
+        """What stands above the tools, where it is given, by their numbers."""
+        return {t.number: t.holder.build(t.flute_length_mm) for t in self.tools if t.holder is not None}
 
     def finishing(self) -> Finishing:
         """What finishing is told. Raises InputError as ``paths`` does."""

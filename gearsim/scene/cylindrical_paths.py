@@ -11,6 +11,7 @@ from pydantic import Field, model_validator
 
 from gearsim.errors import InputError
 from gearsim.programs.operation import Tool
+from gearsim.scene.holder import HolderTable
 from gearsim.scene.tables import Length, Table
 from gearsim.surfaces.flank_modification import FlankModification
 from gearsim.toolpaths.cylindrical.settings import (
@@ -37,6 +38,7 @@ class EndMillTable(Table):
     diameter_mm: Length
     flute_length_mm: Length
     flutes: int = Field(ge=1, le=20)
+    holder: HolderTable | None = None
 
     def build(self) -> Tool:
         return Tool(self.number, self.name, self.diameter_mm, self.flute_length_mm, self.flutes)

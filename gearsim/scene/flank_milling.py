@@ -11,6 +11,7 @@ from pydantic import Field, model_validator
 from gearsim.cutters.profile import Profile
 from gearsim.scene.bevel import BevelBlankTable, GeneratorTable, Turn
 from gearsim.scene.catalogue import AnyCutter
+from gearsim.scene.holder import HolderTable
 from gearsim.scene.program import ProgramTable
 from gearsim.scene.tables import Angle, Count, Length, LengthOrZero, Scene, Table
 from gearsim.surfaces.face_milled import FaceMilledTooth
@@ -125,6 +126,7 @@ class FlankMillingScene(Scene):
 
     surface: RuledBevelTable | FaceMilledFlankTable = Field(discriminator="kind")
     cutter: AnyCutter
+    holder: HolderTable | None = None
     toolpath: ToolpathTable = ToolpathTable()
     program: ProgramTable | None = None
     metrology: MetrologyTable
@@ -137,6 +139,10 @@ class FlankMillingScene(Scene):
         profile: Profile = self.cutter.build()
         return profile
 
+    def held(self) -> Profile | None:
+        """What stands above the cutter, where it is given."""
+        return None if self.holder is None else self.holder.build(self.tool().height)
+
     def planners(self) -> dict[Side, FlankPass]:
         """Our planner's pass for each flank."""
         cutter = self.tool()
@@ -144,4 +150,4 @@ class FlankMillingScene(Scene):
 
     def builders(self) -> tuple[Callable[[], object], ...]:
         program = (self.program.controlled, self.program.options) if self.program else ()
-        return (self.tooth, self.tool, *program)
+        return (self.tooth, self.tool, self.held, *program)

@@ -16,6 +16,7 @@ from gearsim.errors import InputError
 from gearsim.gouging.khan.worked_sections import SECTIONS
 from gearsim.gouging.standard_mills import khan_mills, metric_mills, ranked
 from gearsim.scene.catalogue import AnyCutter
+from gearsim.scene.holder import HolderTable
 from gearsim.scene.tables import Count, Length, LengthOrZero, Scene, Table
 from gearsim.surfaces.nurbs import NurbsSurface
 from gearsim.surfaces.nurbs_file import load_surfaces
@@ -113,10 +114,14 @@ class WorkedTable(Table):
 
 
 class SculpturedScene(Scene):
-    """A NURBS surface cut by a tool, and by a larger and a printed one for comparison, with gouging predicted."""
+    """A NURBS surface cut by a tool, and by a larger and a printed one for comparison, with gouging predicted.
+
+    The [holder] is that of the [cutter].
+    """
 
     surface: NurbsTable
     cutter: AnyCutter
+    holder: HolderTable | None = None
     larger: AnyCutter | None = None
     printed: AnyCutter | None = None
     toolpath: SculpturedPathTable
@@ -138,8 +143,12 @@ class SculpturedScene(Scene):
         given: dict[str, Any] = {"chosen": self.cutter, "larger": self.larger, "printed": self.printed}
         return {name: table.build() for name, table in given.items() if table is not None}
 
+    def held(self) -> Profile | None:
+        """What stands above the chosen cutter, where it is given."""
+        return None if self.holder is None else self.holder.build(self.tools()["chosen"].height)
+
     def builders(self) -> tuple[Callable[[], object], ...]:
-        return (self.tools, self.catalogue.build)
+        return (self.tools, self.held, self.catalogue.build)
 
 
 class GougeExampleTable(Table):

@@ -66,6 +66,22 @@ class Operation:
         """The same operation along some of its motions alone."""
         return self.part(np.isin(self.table.path, paths))
 
+    def carried(self, tolerance: float) -> Operation:
+        """What its holder does meanwhile, as an operation of its own, compiled to a tolerance [mm].
+
+        Its rows have the columns of the same pieces here. Raises ValueError where there is no holder.
+        """
+        if self.holder is None:
+            raise ValueError(f"operation {self.name} has no holder")
+        table = join([compile_motion(source, self.holder.reach, tolerance) for source in self.sources])
+        wide = 1 + max(int(t.piece.max(initial=0)) for t in (self.table, table))
+        here, there = (t.path * wide + t.piece for t in (self.table, table))
+        kept, row = np.unique(here, return_index=True)
+        table = table.part(np.isin(there, kept))
+        same = row[np.searchsorted(kept, there[np.isin(there, kept)])]
+        columns = {name: getattr(self, name)[same] for name in _COLUMNS}
+        return replace(self, cutter=self.holder, holder=None, table=table, **columns)
+
     def motions(self) -> list[MotionSource]:
         """The exact motions of its rows in feed, cut up where rows are missing or run by rapid."""
         found: list[MotionSource] = []
@@ -114,10 +130,11 @@ class Variant:
 
 
 def operation(
-    name: str, cutter: Profile, sources: Sequence[MotionSource], tolerance: float, *, rapid: Sequence[bool] = ()
-) -> Operation:
+    name: str, cutter: Profile, sources: Sequence[MotionSource], tolerance: float, *, rapid: Sequence[bool] = (),
+    holder: Profile | None = None,
+) -> Operation:  # fmt: skip
     """Compile motions of one tool to a tolerance [mm], a step each; ``rapid`` says which are (none given: none is)."""
     table = join([compile_motion(source, cutter.reach, tolerance) for source in sources])
     fast = np.array(rapid or [False] * len(sources))[table.path]
     nothing = np.zeros(len(table), dtype=int)
-    return Operation(name, cutter, tuple(sources), table, fast, table.path, nothing, nothing)
+    return Operation(name, cutter, tuple(sources), table, fast, table.path, nothing, nothing, holder=holder)

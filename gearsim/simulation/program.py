@@ -19,12 +19,12 @@ _STILL = Rigid(np.eye(3), np.zeros(3))
 
 def program_operations(
     blocks: Blocks, cutters: Mapping[int, Profile], tolerance: float, *, shift: Rigid = _STILL, text: str = "",
-    headings: tuple[str, ...] = (),
+    headings: tuple[str, ...] = (), holders: Mapping[int, Profile] | None = None,
 ) -> tuple[Operation, ...]:  # fmt: skip
     """One operation a tool that the blocks move, in the order of their numbers; a row's step is its block.
 
     ``shift`` takes what is seen from the program's zero to the part's frame. ``headings`` are the names that
-    the blocks' operations go by. Blocks of other tools are left out.
+    the blocks' operations go by, ``holders`` what stands above the cutters. Blocks of other tools are left out.
     """
     found = []
     for number in sorted(set(blocks.tool.tolist()) & set(cutters)):
@@ -35,6 +35,7 @@ def program_operations(
             Operation(
                 f"T{number}", cutter, (MovedMotion(source, shift),), table, blocks.rapid[step], step, blocks.line[step],
                 blocks.operation[step], text=text, headings=headings,
+                holder=(holders or {}).get(number),
             )
         )  # fmt: skip
     return tuple(found)

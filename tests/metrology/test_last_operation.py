@@ -1,5 +1,7 @@
 """Which rows of a program made a surface last, and the heading under which they stand."""
 
+from dataclasses import replace
+
 import numpy as np
 
 from gearsim.cutters.end_mills import flat
@@ -56,6 +58,17 @@ def test_the_rows_between_the_first_and_the_last_that_cut_are_asked_again():
     (made,) = last.operations
     assert made.name == "T2"
     assert sorted(set(made.line.tolist())) == [13, 14, 15]
+
+
+def test_where_a_rapid_made_a_sample_the_envelope_road_is_asked_about_rapids_too():
+    """Or it knew nothing of a cut that the removal road sees."""
+    whole = variant()
+    (tool,) = whole.operations[1:]
+    rapid = replace(whole, operations=(whole.operations[0], replace(tool, rapid=tool.line == 14)))
+    (made,) = made_last("last", rapid, cut_by(*rows_of(whole, 13, 14, 15))).operations
+    assert sum(source.pieces for source in made.motions()) == 3
+    (kept,) = made_last("last", rapid, cut_by(*rows_of(whole, 13, 15))).operations
+    assert sum(source.pieces for source in kept.motions()) == 2
 
 
 def test_what_earlier_headings_cut_alone_was_not_made_last():

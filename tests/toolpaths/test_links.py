@@ -5,8 +5,9 @@ import pytest
 
 from gearsim.cutters.catalogue import ball, conical, flat
 from gearsim.geometry.turned import Turned
+from gearsim.metrology.chords import blank_rays
 from gearsim.metrology.inspection import perform
-from gearsim.metrology.rapid_check import blank_rays, rapid_touch
+from gearsim.metrology.rapid_check import rapid_touch
 from gearsim.motion.sources import CLMotion
 from gearsim.processes.run import plan
 from gearsim.programs.cldata import RAPID, CLPath, assemble, parse_cl

@@ -1,0 +1,104 @@
+"""Shanks and holders against what stands when they come by: pockets cut before, walls left, single moves."""
+
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from gearsim.cutters.catalogue import flat
+from gearsim.cutters.holder import holder
+from gearsim.geometry.rays import RayBundle, join_rays
+from gearsim.geometry.turned import Turned
+from gearsim.metrology.holder_check import HolderInspection, Moves
+from gearsim.metrology.inspection import perform
+from gearsim.metrology.job import Job
+from gearsim.motion.sources import CLMotion
+from gearsim.simulation.operation import Variant, operation
+from gearsim.simulation.workshop import Workshop
+from gearsim.surfaces.part import Part
+
+DISC = Turned(np.array([[0.0, -20.0], [40.0, -20.0], [40.0, 0.0], [0.0, 0.0]]))
+MILL = flat(10.0, 5.0)
+UP = [0.0, 0.0, 1.0]
+
+
+def cut_by(held, paths, rapid=()):
+    """A mill of 5 mm with something above it, along paths of tips."""
+    sources = [CLMotion(np.array(p, dtype=float), np.tile(UP, (len(p), 1))) for p in paths]
+    return Variant("program", "", (operation("mill", MILL, sources, 1e-9, rapid=rapid, holder=held),))
+
+
+def finding(held, *paths, rapid=()):
+    """What is told of the mill over a disc whose top is z = 0."""
+    whole = cut_by(held, paths, rapid)
+    part = Part("frame", DISC, {"top": SimpleNamespace(patch=SimpleNamespace(blank=None), tolerance=None)})
+    job = Job("disc", part, (whole,), "program", ())
+    reading = perform(HolderInspection("program", ()).steps(job), Workshop("cpu"))
+    assert reading.doubts == ()
+    return reading.findings[0] if reading.findings else None
+
+
+def level(depth):
+    """A slot across the disc."""
+    return [[-60.0, 0.0, -depth], [60.0, 0.0, -depth]]
+
+
+THIN, WIDE = holder(5.0, [(8.0, 8.0, 30.0)]), holder(5.0, [(8.0, 8.0, 3.0), (30.0, 40.0, 20.0)])
+
+
+def test_a_shank_in_a_slot_cut_layer_by_layer_touches_nothing():
+    assert finding(THIN, level(4.0), level(8.0), level(12.0)) is None
+
+
+def test_a_shank_over_the_flutes_of_a_slot_cut_at_once_touches():
+    found = finding(THIN, level(4.0), level(12.0))
+    assert (found.kind, found.fails, found.patch) == ("holder_cut", True, "part")
+    assert "the holder of mill touches material" in found.text
+    assert found.place_mm[2] == pytest.approx(-7.0, abs=0.7)  # between the slot of before and the flutes' end
+
+
+def test_a_holder_wider_than_the_slot_touches_as_soon_as_it_is_low_enough():
+    """It begins 8 mm over the tip."""
+    assert finding(WIDE, level(4.0), level(7.9)) is None
+    assert finding(WIDE, level(4.0), level(8.3)) is not None
+
+
+def test_a_holder_that_slides_on_the_top_face_touches_nothing():
+    """Exactly flush; the rays stand on the face or lie just below it."""
+    up, along = np.array([[x, y, -9.0] for x in (-20.0, 0.0, 15.0) for y in (-8.0, 0.0, 8.0)]), np.eye(3)
+    flat_rays = np.array([[-30.0, y, 0.0] for y in (-8.0, 0.0, 8.0)])
+    chords = join_rays([
+        RayBundle(up, np.tile(along[2], (9, 1)), np.zeros(9), np.full(9, 9.0)),
+        RayBundle(flat_rays, np.tile(along[0], (3, 1)), np.zeros(3), np.full(3, 60.0)),
+    ])  # fmt: skip
+    whole = cut_by(WIDE, [level(4.0), level(8.0)])
+    holders = Variant("holders", "", (whole.operations[0].carried(1e-9),))
+    assert perform(Moves.of(whole, holders).first_touch(chords), Workshop("cpu")) == (None, True)
+
+
+def test_a_cutter_goes_ahead_of_its_shank_within_a_move():
+    """Straight down by more than the flutes' length: the shank only follows."""
+    assert finding(THIN, [[0.0, 0.0, 5.0], [0.0, 0.0, -12.0]]) is None
+    wide = holder(5.0, [(10.5, 10.5, 30.0)])
+    assert finding(wide, [[0.0, 0.0, 5.0], [0.0, 0.0, -12.0]]) is not None
+
+
+def test_rapids_count_as_well_and_a_shank_as_wide_as_the_mill_only_rubs():
+    assert finding(holder(5.0, [(10.0, 10.0, 30.0)]), level(4.0), level(8.0)) is None
+    low = [[60.0, 0.0, -8.0], [60.0, 30.0, -8.0], [0.0, 30.0, -8.0]]
+    assert finding(THIN, level(4.0), level(8.0), low, rapid=(False, False, True)) is not None
+
+
+def test_the_order_of_the_moves_decides():
+    """The deep slot first: its shank meets what the shallow one takes away too late."""
+    assert finding(THIN, level(8.0), level(4.0)) is not None
+
+
+def test_what_a_holder_does_keeps_the_columns_of_its_pieces():
+    (whole,) = cut_by(THIN, [level(4.0), level(8.0)], rapid=(False, True)).operations
+    carried = whole.carried(1e-9)
+    assert carried.cutter is THIN
+    assert np.array_equal(carried.rapid, np.array([False, True])[carried.table.path])
+    assert set(whole.of_paths([1]).carried(1e-9).table.path.tolist()) == {1}
+    with pytest.raises(ValueError, match="no holder"):
+        carried.carried(1e-9)
