@@ -2,9 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+
+from gearsim.metrology.deviation import Deviation
+from gearsim.metrology.study import Change
 
 
 @dataclass(frozen=True)
@@ -15,6 +19,18 @@ class Series:
     exact: str
     points: tuple[int, ...]
     variants: tuple[str, ...]
+
+    @property
+    def changes(self) -> list[Change]:
+        """The series as a study: one variant after the other in the place of the motion."""
+        named = zip(self.points, self.variants, strict=True)
+        return [Change("points", str(n), {self.of: variant}) for n, variant in named]
+
+    def read(self, surface: str, exact: Deviation, found: Sequence[Deviation]) -> ConvergenceMeasurement:
+        """The series from the deviations of a surface's samples under the exact motion and under every change."""
+        changes = (np.abs(deviation.value - exact.value) for deviation in found)
+        worst = tuple(float(np.nanmax(1e3 * change)) for change in changes)
+        return ConvergenceMeasurement(surface, self.of, Convergence(self.points, worst))
 
 
 @dataclass(frozen=True)

@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from itertools import chain
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from gearsim.metrology.gear_iso import GearMeasurement
-from gearsim.metrology.inspection import Reading, Steps
-from gearsim.metrology.study import Change, Line, study_steps
+from gearsim.metrology.gear_iso import GearMeasurement, GearProbing
+from gearsim.metrology.inspection import Reading, Steps, together
+from gearsim.metrology.study import Change, study_steps
 from gearsim.surfaces.cylindrical_gear import SIDES
 
 if TYPE_CHECKING:
@@ -44,27 +45,33 @@ class BudgetMeasurement:
 
 @dataclass(frozen=True)
 class BudgetInspection:
-    """Causes, each probed by a GearProbing of its own, beside the ``variant`` that is the job's program."""
+    """Changes of the ``probing``'s variant, one cause alone each: those seen in space 0, then those of all spaces."""
 
-    variant: str
+    probing: GearProbing
     causes: tuple[Change, ...]
+    everywhere: tuple[Change, ...]
     name: str = "error budget"
 
     def steps(self, job: Job) -> Steps[Reading]:
-        lines = yield from study_steps(job, self.causes)
-        return Reading((BudgetMeasurement(self.variant, tuple(map(_line, lines))),))
+        spaces = {(0,): self.causes, tuple(range(self.probing.probed.gear.count)): self.everywhere}
+        studies = [
+            study_steps(job, changes, replace(self.probing, spaces=probed).steps) for probed, changes in spaces.items()
+        ]
+        readings = chain.from_iterable((yield from together(studies)))
+        lines = tuple(_line(c, r) for c, r in zip((*self.causes, *self.everywhere), readings, strict=True))
+        return Reading((BudgetMeasurement(self.probing.variant, lines),))
 
 
-def _line(line: Line) -> BudgetLine:
-    (measured,) = line.reading.measurements
+def _line(cause: Change, reading: Reading) -> BudgetLine:
+    (measured,) = reading.measurements
     assert isinstance(measured, GearMeasurement)
     found = measured.found
     normal = [np.concatenate([t[side].from_design_um.ravel() for t in (found.profile, found.helix)]) for side in SIDES]
     every = np.concatenate(normal)
     whole = len(found.profile["left"].teeth) == found.gear.count
     return BudgetLine(
-        line.name,
-        line.size,
+        cause.name,
+        cause.size,
         {row.parameter: _worst(list(row.value_um.values())) for row in found.rows()},
         largest_um=float(np.nanmax(np.abs(every))),
         mean_um=float(np.nanmean(every)),

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -11,13 +12,14 @@ from numpy.typing import NDArray
 
 from gearsim.envelope import TRIM_TOLERANCE
 from gearsim.geometry.rays import RayBundle
-from gearsim.metrology.convergence import Convergence, ConvergenceMeasurement, Series
+from gearsim.metrology.convergence import Series
 from gearsim.metrology.deviation import Crossing, Deviation, measure
 from gearsim.metrology.findings import Finding, cross_cut, deeper_than_last, out_of_tolerance
-from gearsim.metrology.inspection import Cut, Question, Reading, Solve, Steps
+from gearsim.metrology.inspection import Cut, Question, Reading, Solve, Steps, together
 from gearsim.metrology.last_operation import last_heading, made_last
 from gearsim.metrology.roads import LIMIT_UM, RoadGap, road_gap
 from gearsim.metrology.samples import SampleGrid, sample_grid
+from gearsim.metrology.study import study_steps
 from gearsim.metrology.topography import Topography, topography
 from gearsim.metrology.verdict import no_agreement, not_compared, untouched
 from gearsim.simulation.operation import Variant
@@ -101,13 +103,10 @@ class GridInspection:
         missing, trimmed = self._left_out(job, grid)
         measurable = ~(missing | trimmed)
         rays = grid.rays() if measurable.all() else grid.rays().part(measurable.ravel())
-        cut = dict.fromkeys([*self.variants, *([self.strangers] if self.strangers else [])])
-        points = [name for series in self.series for name in series.variants] if len(rays) else []
-        asked: list[Question] = [Cut(rays, self._variant(job, name)) for name in (*cut, *points)]
-        asked += [Solve(rays, self._variant(job, name)) for name in self.witnessed]
-        answers = iter((yield asked))
-        flat = {name: measure(rays, next(answers)) for name in (*cut, *points)}
-        gaps = {name: road_gap(next(answers), flat[name]) for name in self.witnessed}
+        series = self.series if len(rays) else ()
+        (flat, gaps), *converging = yield from together([self._motions(job, rays), *(
+            study_steps(job, s.changes, partial(self._along, rays, s.of)) for s in series
+        )])  # fmt: skip
         found = {
             name: self._measurement(grid, missing, trimmed, self._variant(job, name), flat[name], gaps.get(name))
             for name in self.variants
@@ -116,9 +115,22 @@ class GridInspection:
         alone = (yield from self._alone(job, rays, flat[self.variants[0]])) if self.last else None
         if alone is not None:
             found[self.last] = self._measurement(grid, missing, trimmed, *alone)
-        series = tuple(self._converging(s, flat) for s in self.series) if len(rays) else ()
+        read = [s.read(self.surface, flat[s.exact], lines) for s, lines in zip(series, converging, strict=True)]
         findings = tuple(self._findings(job, grid, found, strangers))
-        return Reading((*found.values(), *series), findings, tuple(self._doubts(found)), self._judged())
+        return Reading((*found.values(), *read), findings, tuple(self._doubts(found)), self._judged())
+
+    def _motions(self, job: Job, rays: RayBundle) -> Steps[Any]:
+        """Deviations under the motions by name, and the gaps of the two roads under those that are witnessed."""
+        cut = dict.fromkeys([*self.variants, *([self.strangers] if self.strangers else [])])
+        asked: list[Question] = [Cut(rays, self._variant(job, name)) for name in cut]
+        answers = iter((yield [*asked, *(Solve(rays, self._variant(job, name)) for name in self.witnessed)]))
+        flat = {name: measure(rays, next(answers)) for name in cut}
+        return flat, {name: road_gap(next(answers), flat[name]) for name in self.witnessed}
+
+    def _along(self, rays: RayBundle, name: str, job: Job) -> Steps[Any]:
+        """The deviations under one motion alone."""
+        (removed,) = yield [Cut(rays, self._variant(job, name))]
+        return measure(rays, removed)
 
     def _alone(self, job: Job, rays: RayBundle, whole: Deviation) -> Steps[tuple[Variant, Deviation, RoadGap] | None]:
         """Deviation and gap under the rows that made the surface last; None where none of them did."""
@@ -147,12 +159,6 @@ class GridInspection:
         deviation = spread(flat, ~(missing | trimmed))
         turned = topography(grid, 1e3 * deviation.value) if self.rotated else None
         return GridMeasurement(self.surface, by, self.name, grid, missing, trimmed, deviation, gap, turned)
-
-    def _converging(self, series: Series, flat: dict[str, Deviation]) -> ConvergenceMeasurement:
-        exact = flat[series.exact].value
-        changes = (np.abs(flat[name].value - exact) for name in series.variants)
-        worst = tuple(float(np.nanmax(1e3 * change)) for change in changes)
-        return ConvergenceMeasurement(self.surface, series.of, Convergence(series.points, worst))
 
     def _judged(self) -> tuple[str, ...]:
         return (self.surface,) if self.judged else ()

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from typing import Any
 
@@ -49,15 +50,19 @@ class Job:
             f"job {self.name}: no variant {name!r}{f' for {surface}' if surface else ''}; there are {known}"
         )
 
-    def has(self, name: str) -> bool:
-        """Whether there is a variant of a name, for any surface."""
-        return any(v.name == name for v in self.variants)
+    def under(self, variants: Mapping[str, Variant | str]) -> Job:
+        """The same job with other variants in the places of those of the given names, for the surfaces they name.
 
-    def under(self, variants: dict[str, Variant]) -> Job:
-        """The same job with other variants in the places of those of the given names, for the surfaces they name."""
-        new = {name: replace(v, name=name) for name, v in variants.items()}
-        kept = tuple(v for v in self.variants if v.name not in new or _apart(v, new[v.name]))
-        return replace(self, variants=(*kept, *new.values()))
+        A name stands for all variants of that name. Raises InputError for a name that there is not.
+        """
+        for name in [*variants, *(given for given in variants.values() if isinstance(given, str))]:
+            self.variant(name)
+        new = [replace(v, name=place) for place, given in variants.items() for v in self._given(given)]
+        kept = (v for v in self.variants if all(v.name != n.name or _apart(v, n) for n in new))
+        return replace(self, variants=(*kept, *new))
+
+    def _given(self, given: Variant | str) -> list[Variant]:
+        return [v for v in self.variants if v.name == given] if isinstance(given, str) else [given]
 
     def steps(self) -> Steps[list[Reading]]:
         """All inspections' questions, round by round; returns their readings in their order."""

@@ -1,39 +1,38 @@
-"""Studies: the same inspections under one change after another, as one table; all changes are cut together."""
+"""Studies: one question put to a job under one change after another; all changes are cut together.
+
+The convergence series, the error budget and `processes.run.study` are its users.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TypeVar
 
-from gearsim.metrology.inspection import Inspection, Reading, Steps, together
+from gearsim.metrology.inspection import Steps, together
+from gearsim.simulation.operation import Variant
 
 if TYPE_CHECKING:
     from gearsim.metrology.job import Job
 
+T = TypeVar("T")
+
 
 @dataclass(frozen=True)
 class Change:
-    """One line of a study: what is changed and by how much, in words, and the inspection that sees what it does."""
+    """One line of a study: what is changed and by how much, in words.
 
-    name: str
-    size: str
-    inspection: Inspection
-
-
-@dataclass(frozen=True)
-class Line:
-    """One change of a study with what its inspection read."""
-
-    name: str
-    size: str
-    reading: Reading
-
-
-def study_steps(job: Job, changes: Sequence[Change]) -> Steps[list[Line]]:
-    """The questions of all changes' inspections, round by round; returns the table's lines.
-
-    Findings and doubts stay in the lines: what is changed on purpose judges nothing.
+    ``variants`` stand in the places of the job's by these names; a name is that of variants that the job has as well.
     """
-    readings = yield from together([change.inspection.steps(job) for change in changes])
-    return [Line(c.name, c.size, reading) for c, reading in zip(changes, readings, strict=True)]
+
+    name: str
+    size: str
+    variants: Mapping[str, Variant | str]
+
+
+def study_steps(job: Job, changes: Sequence[Change], ask: Callable[[Job], Steps[T]]) -> Steps[list[T]]:
+    """What ``ask`` finds of the job under each of the changes, in their order; its questions round by round.
+
+    Raises InputError for a place or a variant that the job has not.
+    """
+    return together([ask(job.under(change.variants)) for change in changes])

@@ -70,16 +70,16 @@ def gear_budget(
     """A variant a cause, and the inspection that probes them all; ``program`` names the job's own."""
     assert scene.budget is not None
     m, tolerance = scene.metrology, scene.simulation.compile_tolerance_mm
-    variants, changes = [], []
+    variants: list[Variant] = []
+    seen_in: dict[int, list[Change]] = {1: [], probed.gear.count: []}
     for cause in causes(_Planner(scene, probed, machine), scene.budget):
         name = f"budget: {cause.name}, {cause.size}"
         operations = disturbed_operations(cause.blocks(), tools, cause.real, tolerance)
         variants.append(Variant(name, f"space 0 alone: {cause.name}, {cause.size}", operations))
-        spaces = tuple(range(cause.spaces))
-        changes.append(
-            Change(cause.name, cause.size, GearProbing(name, probed, spaces, m.points, m.iso_class, cause.name))
-        )
-    return variants, BudgetInspection(program, tuple(changes))
+        seen_in[cause.spaces].append(Change(cause.name, cause.size, {program: name}))
+    probing = GearProbing(program, probed, (0,), m.points, m.iso_class, scene.name)
+    one, everywhere = map(tuple, seen_in.values())
+    return variants, BudgetInspection(probing, one, everywhere)
 
 
 def disturbed_operations(

@@ -11,8 +11,9 @@ from typing import Any, Protocol
 
 from gearsim.envelope import prepare_envelope
 from gearsim.errors import InputError
-from gearsim.metrology.inspection import Question, perform, together
+from gearsim.metrology.inspection import Question, perform
 from gearsim.metrology.job import Job, counted
+from gearsim.metrology.study import Change, study_steps
 from gearsim.metrology.verdict import verdict
 from gearsim.output.presenters import flat_figures
 from gearsim.result import Result, versions
@@ -135,29 +136,25 @@ def run_job(
 
 
 def study(
-    job: Job, changes: Mapping[str, Mapping[str, Variant]], *, device: str = "cpu", progress: Progress | None = None
-) -> list[dict[str, Any]]:
+    job: Job, changes: Mapping[str, Mapping[str, Variant | str]], *, device: str = "cpu",
+    progress: Progress | None = None,
+) -> list[dict[str, Any]]:  # fmt: skip
     """One job under one change after another, all of them cut together: a table, one line a measurement.
 
-    ``changes`` gives to each change's name the variants that take the places of the job's, by their names. A line
-    holds ``change``, ``surface``, ``variant``, ``inspection`` and the measurement's figures as in report.json, their
-    names joined by dots. The job as it is stands first, as change "". Raises InputError for a variant that the job
-    has not.
+    ``changes`` gives to each change's name the variants, or the names of the job's own, that take the places of the
+    job's, by their names. A line holds ``change``, ``surface``, ``variant``, ``inspection`` and the measurement's
+    figures as in report.json, their names joined by dots. The job as it is stands first, as change "". Raises
+    InputError for a variant that the job has not.
     """
     progress = progress or _Silent()
-    for name, variants in changes.items():
-        unknown = [v for v in variants if not job.has(v)]
-        if unknown:
-            known = ", ".join(dict.fromkeys(v.name for v in job.variants))
-            raise InputError(f"change {name!r}: the job has no variant {unknown[0]!r}; there are {known}")
-    jobs = {"": job, **{name: job.under(dict(variants)) for name, variants in changes.items()}}
+    lines = [Change("", "", {}), *(Change(name, "", variants) for name, variants in changes.items())]
+    steps = study_steps(job, lines, Job.steps)
     _prepare(device)
     workshop = Workshop(device, job.settings.tolerance_mm, job.settings.interval_slots, progress.advance)
-    steps = together([changed.steps() for changed in jobs.values()])
     found = perform(steps, workshop, lambda asked: progress.stage("cutting and measuring", sum(counted(asked))))
     return [
-        {"change": name, "surface": m.surface, "variant": m.variant, "inspection": m.inspection, **flat_figures(m)}
-        for name, readings in zip(jobs, found, strict=True)
+        {"change": c.name, "surface": m.surface, "variant": m.variant, "inspection": m.inspection, **flat_figures(m)}
+        for c, readings in zip(lines, found, strict=True)
         for reading in readings
         for m in reading.measurements
     ]

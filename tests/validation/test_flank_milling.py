@@ -136,7 +136,7 @@ def test_cl_data_converge_to_the_continuous_path_with_second_order(tooth, fittin
     path = FlankPath(tooth, side, fitting_cutter, 8.0)
     points = (9, 17, 33, 65)
     motions = {"theory": [path.motion], **{str(n): [path.cl_motion(n)] for n in points}}
-    series = Series("CL data", "theory", points, tuple(map(str, points)))
+    series = Series("theory", "theory", points, tuple(map(str, points)))
     inspection = GridInspection(side, ("theory",), (), 5, 41, series=(series,))
     reading = perform(inspection.steps(job(tooth, fitting_cutter, motions)), Workshop("cpu"))
     (found,) = (m.convergence for m in reading.measurements if m.inspection == "convergence")
