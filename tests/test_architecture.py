@@ -1,6 +1,7 @@
 """The house rules that a machine can check."""
 
 import ast
+import re
 import subprocess
 import sys
 import tomllib
@@ -66,6 +67,21 @@ def test_every_package_folder_is_listed_for_installation():
         for f in (ROOT / "gearsim").rglob("*.py")
     }
     assert listed == folders | {"gearsim.kernels", "gearsim.scenes"}
+
+
+def test_no_process_is_named_outside_processes_and_scene():
+    """Neither a planner's module, nor its kind of scene, nor the kinds of surfaces that scenes go by."""
+    from gearsim.processes.run import _PLANNERS
+    from gearsim.scene.loading import SCENES
+
+    shared = {"envelope", "nurbs"}  # a road and a kernel as well
+    names = {*_PLANNERS, *(f"processes.{planner}" for planner in _PLANNERS.values())}
+    quoted = {f'"{kind}"' for kind in SCENES if kind not in shared}
+    found = [
+        f"{name}: {word}" for name, file in modules() if room(name) not in ("processes", "scene")
+        for word in names | quoted if re.search(rf"(?<!\w){re.escape(word)}(?!\w)", file.read_text())
+    ]  # fmt: skip
+    assert found == []
 
 
 def loaded_after(code):

@@ -18,11 +18,12 @@ from gearsim.metrology.samples import sample_grid
 from gearsim.motion.segments import SegmentTable, compile_motion, join
 from gearsim.motion.sources import CLMotion
 from gearsim.processes.run import plan
-from gearsim.scene import FlankMillingScene, load_scene
+from gearsim.scene import load_scene
 from gearsim.simulation.dexels import DexelBox
 from gearsim.simulation.operation import Operation
 from gearsim.simulation.removal import Job
 from gearsim.surfaces.patch import Tooth
+from gearsim.surfaces.ruled_patch import ToothPatch
 
 DEXEL_PITCH = 0.15
 BLOCK = (100.0, 60.0, 20.0)
@@ -62,10 +63,11 @@ class FlankWork(NamedTuple):
 def flank_job() -> FlankWork:
     """Scene spiral-bevel-flank, planned."""
     scene, folder = load_scene("spiral-bevel-flank")
-    assert isinstance(scene, FlankMillingScene)
     job = plan(scene, folder)
+    flank = job.part.patch("convex")
+    assert isinstance(flank, ToothPatch)
     theory, own, program = (job.variant(n, "convex").operations[0] for n in ("theory", "own pass", "program"))
-    return FlankWork(scene.tooth(), program.cutter, theory.table, program.table, theory, own)
+    return FlankWork(flank.tooth, program.cutter, theory.table, program.table, theory, own)
 
 
 def normals(rows: int, columns: int) -> RayBundle:

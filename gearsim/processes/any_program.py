@@ -15,6 +15,7 @@ from gearsim.metrology.inspection import Inspection
 from gearsim.metrology.job import Job
 from gearsim.metrology.program_times import ProgramInspection
 from gearsim.metrology.rapid_check import RapidInspection
+from gearsim.processes.claims import Claim, head_claims
 from gearsim.processes.generating import generating
 from gearsim.processes.parts import Limits, part_of
 from gearsim.processes.read_file import ReadFile, read_file
@@ -23,6 +24,8 @@ from gearsim.scene import scene_table
 from gearsim.scene.any_program import ProgramScene
 from gearsim.simulation.dexels import DexelBox
 from gearsim.simulation.operation import Variant
+from gearsim.surfaces.face_milled import FaceMilledTooth
+from gearsim.surfaces.hypoid import HypoidPinion
 from gearsim.surfaces.part import Part, Tolerance
 from gearsim.surfaces.patch import SIDES
 
@@ -105,3 +108,9 @@ class _Plan:
             side, (PROGRAM,), (), m.inspection_rows, m.inspection_columns, m.inspection_margin, m.window, rotated=True,
             name=COARSE,
         )  # fmt: skip
+
+
+def claims(scene: ProgramScene, folder: Path) -> list[Claim]:
+    """What is known of a tooth that a head generates."""
+    tooth = scene.tooth()
+    return head_claims(tooth) if isinstance(tooth, FaceMilledTooth | HypoidPinion) else []

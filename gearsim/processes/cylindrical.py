@@ -21,6 +21,7 @@ from gearsim.metrology.inspection import Inspection
 from gearsim.metrology.job import Job
 from gearsim.metrology.program_times import ProgramInspection
 from gearsim.metrology.rapid_check import RapidInspection
+from gearsim.processes.claims import Claim, Involute
 from gearsim.processes.frames import FACE_FRAME
 from gearsim.processes.gear_budget import disturbed_operations, gear_budget
 from gearsim.processes.settings import settings
@@ -33,6 +34,7 @@ from gearsim.simulation.disturbance import Disturbance
 from gearsim.simulation.operation import Variant
 from gearsim.surfaces.cylindrical_gear import SIDES, CylindricalGear, Side
 from gearsim.surfaces.gear_stock import gear_stock
+from gearsim.surfaces.involute import InvoluteFlank
 from gearsim.surfaces.part import Intended, Part, Tolerance
 from gearsim.surfaces.reached_flank import ReachedFlank
 from gearsim.toolpaths.cylindrical.limits import reached_range
@@ -167,3 +169,9 @@ def _header(scene: CylindricalGearScene, gear: CylindricalGear) -> Header:
             "z = 0 at the top face, space 1 on +X",
         ),
     )
+
+
+def claims(scene: CylindricalGearScene, folder: Path) -> list[Claim]:
+    """Both flanks as the finishing end mill generates them, without modification."""
+    gear, radius = scene.gear(), scene.finishing().cutting.radius
+    return [Involute(InvoluteFlank(gear, side), radius) for side in SIDES]

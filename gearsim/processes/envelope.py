@@ -14,6 +14,7 @@ from gearsim.machines.path import overruns
 from gearsim.metrology.job import Job
 from gearsim.motion.nc_step import NCStep
 from gearsim.motion.sources import MotionSource
+from gearsim.processes.claims import Claim, Swept
 from gearsim.processes.frames import PROGRAM_FRAME
 from gearsim.processes.generated import Generation, generated_job
 from gearsim.programs.cldata import CLPath, CLProgram, format_cl, sizes_of
@@ -69,3 +70,8 @@ def program_points(table: AxisPointsTable, machine: Machine) -> tuple[NDArray, N
     columns = dict(zip(table.axes, np.array(table.points).T, strict=True))
     tips = np.column_stack([columns[name] for name in "XYZ"])
     return tips, np.radians(np.column_stack([columns[name] for name in turned]))
+
+
+def claims(scene: EnvelopeScene, folder: Path) -> list[Claim]:
+    """The cutter's envelopes under the program as theory, CL data and both ways of interpolating see it."""
+    return [Swept(source, v.cutter, v.name) for v in plan(scene, folder).variants for source in v.motions()]

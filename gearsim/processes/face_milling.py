@@ -6,6 +6,7 @@ from pathlib import Path
 
 from gearsim.metrology.job import Job
 from gearsim.motion.sources import CurveMotion
+from gearsim.processes.claims import Claim, head_claims
 from gearsim.processes.frames import GEAR_FRAME
 from gearsim.processes.generated import Generation, generated_job
 from gearsim.scene import FaceMillingScene
@@ -25,3 +26,8 @@ def plan(scene: FaceMillingScene, folder: Path) -> Job:
         name, text = "plunge", "infeed along the head's axis, cradle and work at rest"
     cut = Generation(tooth.head, tuple(tooth.patches), {name: motion})
     return generated_job(scene, [cut], {name: text}, GEAR_FRAME, blank=tooth.blank)
+
+
+def claims(scene: FaceMillingScene, folder: Path) -> list[Claim]:
+    """The head's envelopes and the tooth's patches."""
+    return head_claims(scene.tooth())

@@ -17,6 +17,7 @@ from gearsim.metrology.mean_profile import ProfileInspection, Published
 from gearsim.metrology.rapid_check import RapidInspection
 from gearsim.metrology.root import RootInspection
 from gearsim.motion.sources import CLMotion
+from gearsim.processes.claims import Claim, Swept
 from gearsim.processes.flank_program import machine_program
 from gearsim.processes.parts import Limits, bevel_part
 from gearsim.processes.settings import settings
@@ -71,6 +72,24 @@ def plan(scene: FlankMillingScene, folder: Path) -> Job:
         notes=tuple(f"CL file: {note}" for note in notes),
         conventions={"grids": "rows root to tip, columns toe to heel"},
     )
+
+
+def claims(scene: FlankMillingScene, folder: Path) -> list[Claim]:
+    """The envelopes of the cutter's profile elements under each flank's planned path, or each path of its CL file."""
+    cutter, table = scene.tool(), scene.toolpath
+    if table.file is None:
+        return [Swept(p.motion, cutter, side) for side, p in scene.planners().items()]
+    program = parse_cl(read_cl_text(folder / table.file), str(folder / table.file))
+    check_cutter(program.cutter, cutter, table.file)
+    cuts = [p for p in program.paths if p.name != RAPID]
+    names = [_numbered([p.name for p in cuts[: i + 1]]) for i in range(len(cuts))]
+    return [Swept(CLMotion(p.tips, p.axes), cutter, name) for p, name in zip(cuts, names, strict=True)]
+
+
+def _numbered(names: list[str]) -> str:
+    """The last of some names, with its number from the second of that name on."""
+    count = names.count(names[-1])
+    return names[-1] if count == 1 else f"{names[-1]} {count}"
 
 
 def own_paths(program: CLProgram, side: Side) -> list[int]:

@@ -12,6 +12,7 @@ from gearsim.machines.path import AxisPath
 from gearsim.metrology.job import Job
 from gearsim.motion.axes import AxisMotion
 from gearsim.motion.sources import CurveMotion, MotionSource
+from gearsim.processes.claims import Claim, head_claims
 from gearsim.processes.frames import PINION_FRAME
 from gearsim.processes.generated import Generation, generated_job
 from gearsim.programs.axis_table import AxisTable, format_axis_table, parse_axis_table
@@ -76,3 +77,8 @@ def _cut(
         sources[name] = AxisMotion(machine, parse_axis_table(tables[name], machine).values)
         sampled[name] = motion
     return Generation(tooth.head, patches, sources, sampled)
+
+
+def claims(scene: HypoidScene, folder: Path) -> list[Claim]:
+    """The heads' envelopes and the tooth's patches."""
+    return head_claims(scene.pinion())

@@ -7,6 +7,7 @@ from concurrent.futures import ThreadPoolExecutor
 from importlib import import_module
 from pathlib import Path
 from time import perf_counter
+from types import ModuleType
 from typing import Any, Protocol
 
 from gearsim.envelope import prepare_envelope
@@ -16,6 +17,7 @@ from gearsim.metrology.job import Job, counted
 from gearsim.metrology.study import Change, study_steps
 from gearsim.metrology.verdict import verdict
 from gearsim.output.presenters import flat_figures
+from gearsim.processes.claims import Claim
 from gearsim.result import Result, versions
 from gearsim.scene import Scene, load_scene
 from gearsim.simulation.operation import Variant
@@ -55,9 +57,19 @@ def plan(scene: Scene, folder: Path | None = None) -> Job:
 
     Raises InputError where the geometry is impossible or a file cannot be used.
     """
-    planner = import_module(f"gearsim.processes.{_PLANNERS[type(scene).__name__]}")
-    job: Job = planner.plan(scene, folder or Path())
+    job: Job = _planner(scene).plan(scene, folder or Path())
     return job
+
+
+def claims(scene: Scene, folder: Path | None = None) -> list[Claim]:
+    """The closed forms that a scene declares; a planner without ``claims`` has none. Options and errors as of plan."""
+    declare = getattr(_planner(scene), "claims", None)
+    found: list[Claim] = declare(scene, folder or Path()) if declare else []
+    return found
+
+
+def _planner(scene: Scene) -> ModuleType:
+    return import_module(f"gearsim.processes.{_PLANNERS[type(scene).__name__]}")
 
 
 def run(
