@@ -16,7 +16,7 @@ from gearsim.motion.nc_step import NCStep
 from gearsim.motion.sources import MotionSource
 from gearsim.processes.claims import Claim, Swept
 from gearsim.processes.frames import PROGRAM_FRAME
-from gearsim.processes.generated import Generation, generated_job
+from gearsim.processes.generated import Sweep, generated_job
 from gearsim.programs.cldata import CLPath, CLProgram, format_cl, sizes_of
 from gearsim.scene.generated import AxisPointsTable, EnvelopeScene
 
@@ -52,7 +52,7 @@ def plan(scene: EnvelopeScene, folder: Path) -> Job:
     )
     program = CLProgram((CLPath("nc", tips, step.axes),), sizes_of(cutter))
     programs = {"toolpath.cl": format_cl(program, scene.name, 600.0, 9)}
-    cut = Generation(cutter, patches, sources)
+    cut = Sweep(cutter, patches, sources)
     return generated_job(scene, [cut], TEXTS, PROGRAM_FRAME, files=programs)
 
 

@@ -8,7 +8,7 @@ from gearsim.metrology.job import Job
 from gearsim.motion.sources import CurveMotion
 from gearsim.processes.claims import Claim, head_claims
 from gearsim.processes.frames import GEAR_FRAME
-from gearsim.processes.generated import Generation, generated_job
+from gearsim.processes.generated import Sweep, generated_job
 from gearsim.scene import FaceMillingScene
 
 
@@ -24,7 +24,7 @@ def plan(scene: FaceMillingScene, folder: Path) -> Job:
         name, text = "roll", "generating roll: cradle and work turn together, continuously"
     else:
         name, text = "plunge", "infeed along the head's axis, cradle and work at rest"
-    cut = Generation(tooth.head, tuple(tooth.patches), {name: motion})
+    cut = Sweep(tooth.head, tuple(tooth.patches), {name: motion})
     return generated_job(scene, [cut], {name: text}, GEAR_FRAME, blank=tooth.blank)
 
 

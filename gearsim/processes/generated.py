@@ -31,7 +31,7 @@ _CONVENTIONS = {
 
 
 @dataclass(frozen=True)
-class Generation:
+class Sweep:
     """One tool, the surfaces it generates, and the motions they are measured under, the generating one first.
 
     ``sampled`` gives a motion made of N points, for those that converge to the generating one.
@@ -48,7 +48,7 @@ class Generation:
 
 
 def generated_job(
-    scene: GeneratedScene, generations: Sequence[Generation], texts: dict[str, str], frame: str, *,
+    scene: GeneratedScene, sweeps: Sequence[Sweep], texts: dict[str, str], frame: str, *,
     files: dict[str, str] | None = None, blank: BevelBlank | None = None, notes: tuple[str, ...] = (),
 ) -> Job:  # fmt: skip
     """The job of some tools; ``texts`` say what each motion is, ``blank`` is what the surfaces are cut into.
@@ -57,13 +57,13 @@ def generated_job(
     """
     judged = _judged(scene.metrology.judged, list(texts))
     tolerance = Tolerance.both(scene.metrology.tolerance_um) if judged else None
-    patches = [patch for g in generations for patch in g.patches]
+    patches = [patch for sweep in sweeps for patch in sweep.patches]
     return Job(
         name=scene.name,
         part=Part(frame, blank.stock if blank else None, {p.name: Intended(p, tolerance) for p in patches}),
-        variants=tuple(v for g in generations for v in _variants(scene, g, texts)),
+        variants=tuple(v for sweep in sweeps for v in _variants(scene, sweep, texts)),
         main=judged[-1] if judged else next(iter(texts)),
-        inspections=tuple(_inspections(scene, generations, blank, judged)),
+        inspections=tuple(_inspections(scene, sweeps, blank, judged)),
         settings=settings(scene),
         scene=scene_table(scene),
         files=files or {},
@@ -81,14 +81,14 @@ def _judged(judged: tuple[str, ...], motions: list[str]) -> tuple[str, ...]:
     return judged
 
 
-def _variants(scene: GeneratedScene, g: Generation, texts: dict[str, str]) -> Iterator[Variant]:
+def _variants(scene: GeneratedScene, sweep: Sweep, texts: dict[str, str]) -> Iterator[Variant]:
     tolerance = scene.simulation.compile_tolerance_mm
-    for name, source in g.sources.items():
-        yield Variant(name, texts[name], (operation(name, g.cutter, [source], tolerance),), g.surfaces)
-    for name, make in g.sampled.items():
+    for name, source in sweep.sources.items():
+        yield Variant(name, texts[name], (operation(name, sweep.cutter, [source], tolerance),), sweep.surfaces)
+    for name, make in sweep.sampled.items():
         for n in scene.metrology.convergence:
-            given = operation(f"{name}, {n} points", g.cutter, [make(n)], tolerance)
-            yield Variant(_of_points(name, n), f"{texts[name]}; of {n} points", (given,), g.surfaces)
+            given = operation(f"{name}, {n} points", sweep.cutter, [make(n)], tolerance)
+            yield Variant(_of_points(name, n), f"{texts[name]}; of {n} points", (given,), sweep.surfaces)
 
 
 def _of_points(name: str, n: int) -> str:
@@ -96,20 +96,20 @@ def _of_points(name: str, n: int) -> str:
 
 
 def _inspections(
-    scene: GeneratedScene, generations: Sequence[Generation], blank: BevelBlank | None, judged: tuple[str, ...]
+    scene: GeneratedScene, sweeps: Sequence[Sweep], blank: BevelBlank | None, judged: tuple[str, ...]
 ) -> Iterator[Inspection]:
-    for g in generations:
-        grids = tuple(_grid(scene.metrology, g, surface, judged) for surface in g.surfaces)
+    for sweep in sweeps:
+        grids = tuple(_grid(scene.metrology, sweep, surface, judged) for surface in sweep.surfaces)
         yield from grids
         if blank is not None:
-            box = slot_box(g.patches, blank, scene.simulation.dexel_pitch_mm)
+            box = slot_box(sweep.patches, blank, scene.simulation.dexel_pitch_mm)
             yield DexelInspection(grids[0].generating, box, grids)
 
 
-def _grid(m: GeneratedMetrologyTable, g: Generation, surface: str, judged: tuple[str, ...]) -> GridInspection:
-    names = tuple(g.sources)
+def _grid(m: GeneratedMetrologyTable, sweep: Sweep, surface: str, judged: tuple[str, ...]) -> GridInspection:
+    names = tuple(sweep.sources)
     points = m.convergence
-    series = [Series(name, names[0], points, tuple(_of_points(name, n) for n in points)) for name in g.sampled]
+    series = [Series(name, names[0], points, tuple(_of_points(name, n) for n in points)) for name in sweep.sampled]
     return GridInspection(
         surface, names, names, m.rows, m.columns, m.margin, m.window, judged=judged, generating=names[0],
         series=tuple(series) if points else (),

@@ -14,12 +14,12 @@ from gearsim.motion.axes import AxisMotion
 from gearsim.motion.sources import CurveMotion, MotionSource
 from gearsim.processes.claims import Claim, head_claims
 from gearsim.processes.frames import PINION_FRAME
-from gearsim.processes.generated import Generation, generated_job
+from gearsim.processes.generated import Sweep, generated_job
 from gearsim.programs.axis_table import AxisTable, format_axis_table, parse_axis_table
 from gearsim.scene.generated import HypoidScene
 from gearsim.surfaces.face_milled import FaceMilledTooth
 from gearsim.surfaces.patch import Patch
-from gearsim.toolpaths.generation import generation_axes, generation_motion
+from gearsim.toolpaths.roll import roll_axes, roll_motion
 
 
 def plan(scene: HypoidScene, folder: Path) -> Job:
@@ -33,7 +33,7 @@ def plan(scene: HypoidScene, folder: Path) -> Job:
     together = pinion.concave == pinion.convex
     whole = {"": pinion.concave.patches}
     groups = whole if together else {s: [p for p in pinion.patches if p.side == s] for s in sides}
-    cuts: list[Generation] = []
+    cuts: list[Sweep] = []
     programs: dict[str, str] = {}
     notes: list[str] = []
     for label, patches in groups.items():
@@ -55,28 +55,28 @@ def plan(scene: HypoidScene, folder: Path) -> Job:
 def _path(machine: Machine, tooth: FaceMilledTooth, rows: int) -> AxisPath:
     """Axis values over a head's roll, on the branch nearest to all axes at zero."""
     start = np.zeros(len(machine.axes))
-    return generation_axes(machine, tooth.generator.frames, *tooth.motion_range, rows, near=start)
+    return roll_axes(machine, tooth.generator.frames, *tooth.motion_range, rows, near=start)
 
 
 def _table(path: AxisPath, decimals: int) -> str:
-    values = generation_motion(path).values
+    values = roll_motion(path).values
     return format_axis_table(AxisTable(path.machine, values, 10 * np.arange(1, len(values) + 1)), decimals)
 
 
 def _cut(
     tooth: FaceMilledTooth, patches: tuple[Patch, ...], machines: dict[str, Machine], tables: dict[str, str]
-) -> Generation:
+) -> Sweep:
     """One head's motions; what is simulated is read back from its tables of axis values."""
     sources: dict[str, MotionSource] = {"roll": CurveMotion(tooth.poses, *tooth.motion_range)}
     sampled: dict[str, Callable[[int], MotionSource]] = {}
     for name, machine in machines.items():
 
         def motion(rows: int, machine: Machine = machine) -> AxisMotion:
-            return generation_motion(_path(machine, tooth, rows))
+            return roll_motion(_path(machine, tooth, rows))
 
         sources[name] = AxisMotion(machine, parse_axis_table(tables[name], machine).values)
         sampled[name] = motion
-    return Generation(tooth.head, patches, sources, sampled)
+    return Sweep(tooth.head, patches, sources, sampled)
 
 
 def claims(scene: HypoidScene, folder: Path) -> list[Claim]:

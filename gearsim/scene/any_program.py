@@ -159,7 +159,7 @@ class ProgramScene(Scene):
         return self
 
     @model_validator(mode="after")
-    def _generation(self) -> ProgramScene:
+    def _head_and_settings(self) -> ProgramScene:
         kind, given = self.surface.kind, (self.head, self.generator, self.convex)
         names = [n for n, table in zip(("head", "generator", "convex"), given, strict=True) if table is not None]
         if not isinstance(self.surface, FaceMilledTable | HypoidTable):

@@ -152,7 +152,7 @@ def test_what_does_not_fit_is_refused_by_its_key(pinion, change, message):
         plan(check_scene(tables, "own"), folder)
 
 
-def test_generation_settings_belong_to_generated_surfaces(pinion):
+def test_settings_of_a_head_belong_to_generated_surfaces(pinion):
     tables = scene_table(load_scene("spiral-bevel-flank")[0])
     scene = {name: tables[name] for name in ("scene", "surface", "cutter")}
     scene |= {"generator": pinion[1]["generator"], "toolpath": {"kind": "program", "file": "a.nc"}}

@@ -19,7 +19,7 @@ from gearsim.metrology.samples import sample_grid
 from gearsim.motion.segments import compile_motion
 from gearsim.motion.sources import CurveMotion
 from gearsim.simulation.removal import cut as remove
-from gearsim.toolpaths.generation import generation_axes, generation_motion
+from gearsim.toolpaths.roll import roll_axes, roll_motion
 from tests.helpers import observed_order
 from tests.surfaces.test_hypoid import SETTINGS, least_distance, make_generator, make_pinion, rolled
 
@@ -287,7 +287,7 @@ MACHINES = {"phoenix": phoenix(X_E), "star": star()}
 
 def table(name, rows, start, end, **options):
     near = None if not options.get("with_turn", True) else report_path(name)[np.argmin(np.abs(PHI_P + start / M_CP))]
-    return generation_axes(MACHINES[name], make_generator().frames, start, end, rows, near=near, **options)
+    return roll_axes(MACHINES[name], make_generator().frames, start, end, rows, near=near, **options)
 
 
 @pytest.mark.parametrize("name", ["phoenix", "star"])
@@ -304,7 +304,7 @@ def test_the_table_is_the_report_s_and_brings_the_head_to_its_frame(name):
 
 def test_a_head_that_is_a_body_of_revolution_needs_no_turn():
     still = table("phoenix", 15, -0.2, 0.2, with_turn=False)
-    five = generation_axes(head_b_table_c(), make_generator().frames, -0.2, 0.2, 15, with_turn=False)
+    five = roll_axes(head_b_table_c(), make_generator().frames, -0.2, 0.2, 15, with_turn=False)
     pose = make_generator().poses(np.linspace(-0.2, 0.2, 15), 0)
     assert np.all(still.values[:, MACHINES["phoenix"].axes.index("C")] == 0.0)
     for path in (still, five):
@@ -367,7 +367,7 @@ def test_both_roads_and_brute_force_see_one_surface(side):
     start, end = cut.motion_range
     rays = sample_grid(pinion.flank(side), 5, 7, margin=0.01).rays()
     path = table("phoenix", 33, start, end)
-    linear = generation_motion(path), interpolated("phoenix", path.values, start, end)
+    linear = roll_motion(path), interpolated("phoenix", path.values, start, end)
     for exact, (source, poses) in ((True, (CurveMotion(cut.poses, start, end), rolled(cut))), (False, linear)):
         found = machined_along(rays, [source], cut.head).deviation
         machined = rays.origin + found[:, None] * rays.direction

@@ -21,7 +21,7 @@ from gearsim.motion.axes import AxisMotion
 Frames = Callable[[NDArray, int], FrameSeries]
 
 
-def generation_axes(
+def roll_axes(
     machine: Machine,
     frames: Frames,
     start: float,
@@ -47,7 +47,7 @@ def generation_axes(
     return axis_values_of_frames(machine, np.stack([radial, np.cross(axis, radial), axis], axis=-1), tip, near)
 
 
-def generation_motion(path: AxisPath) -> AxisMotion:
+def roll_motion(path: AxisPath) -> AxisMotion:
     """What the machine makes of a table: all axes linear from row to row.
 
     Raises InputError where the table overruns the machine's travel.
