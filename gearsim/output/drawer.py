@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from gearsim.output.draw import draw_blanks, draw_envelopes, draw_toolpaths, patch_meshes
 from gearsim.output.draw_swept import draw_swept
 from gearsim.output.draw_tooth import draw_tooth
+from gearsim.output.exr import stated
 from gearsim.output.gear.draw import draw_gear
 from gearsim.output.gouging.draw import draw_surfaces
 from gearsim.output.presenters import collected
@@ -62,7 +63,10 @@ def draw_all(result: Result, folder: Path, wanted: Wanted, tell: Callable[[dict[
     surfaces = patch_meshes(data)
     if surfaces and wanted.file(MESHES):
         whole = pv.merge(list(surfaces.values()), merge_points=False)
-        whole.extract_surface(algorithm=None).save(folder / MESHES)
+        skin = whole.extract_surface(algorithm=None)
+        for key, text in stated(result).items():
+            skin.field_data[f"gearsim.{key}"] = [text]
+        skin.save(folder / MESHES)
     pictures = [p for p in _drawable(data) if wanted.file(p.file)]
     tell({p.file: p.caption for p in pictures})
     for picture in pictures:

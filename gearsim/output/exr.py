@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 import gearsim
+from gearsim.result import Result
 
 UNITS = "mm; channels named .um in micrometres"
 SIGN = "deviation along the outward surface normal; positive = material left, negative = overcut"
@@ -20,6 +21,14 @@ def header(name: str, frame: str, **more: str) -> dict[str, str]:
         "scene": name, "units": UNITS, "sign": SIGN, "frame": frame, "grid": GRID, **more,
         "version": gearsim.__version__,
     }  # fmt: skip
+
+
+def stated(result: Result) -> dict[str, str]:
+    """What every file of a run says of itself: the header, which motion its plain names are under, what rows are."""
+    main = result.job.main
+    own = f"deviation.um, deviation_um and segment.id are under {main}; NAME.deviation.um and NAME_um under NAME"
+    rows = {"rows_and_columns": result.job.conventions["grids"]} if "grids" in result.job.conventions else {}
+    return header(result.name, result.frame, motion=own, program=main, **rows)
 
 
 def write_exr(parts: dict[str, dict[str, NDArray]], header: dict[str, str], file: Path) -> None:

@@ -8,12 +8,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from gearsim.output.exr import SIGN, UNITS
+from gearsim.output.exr import stated
 from gearsim.result import Result
 
 
 def write_parquet(tables: list[dict[str, NDArray[Any]]], result: Result, file: Path) -> None:
-    """Write samples, one table of flat columns a surface, with units, sign and scene in the file's metadata.
+    """Write samples, one table of flat columns a surface, with what the file states in its metadata.
 
     A column that a table lacks is null in its rows, as is every nan.
     """
@@ -22,8 +22,7 @@ def write_parquet(tables: list[dict[str, NDArray[Any]]], result: Result, file: P
 
     names = list(dict.fromkeys(name for table in tables for name in table))
     parts = [pa.table({name: _column(table, name) for name in names if name in table}) for table in tables]
-    notes = {"scene": result.name, "units": UNITS, "sign": SIGN, "program": result.job.main}
-    notes |= {"frame": result.frame, "version": result.versions["gearsim"]}
+    notes = {**stated(result), "version": result.versions["gearsim"]}
     whole = pa.concat_tables(parts, promote_options="default").select(names)
     pq.write_table(whole.replace_schema_metadata({f"gearsim.{k}": v for k, v in notes.items()}), file)
 

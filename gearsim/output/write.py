@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from gearsim.errors import InputError
 from gearsim.output.charts import all_charts
-from gearsim.output.exr import header, write_exr
+from gearsim.output.exr import stated, write_exr
 from gearsim.output.files import LAST
 from gearsim.output.markdown import write_report
 from gearsim.output.painting import Painters
@@ -82,10 +82,9 @@ def _write_reports(
 
 
 def _write_data(result: Result, stage: Path, wanted: Wanted) -> None:
-    main = f"deviation.um and segment.id are under {result.job.main}; NAME.deviation.um under NAME"
     for name, parts in _maps(result).items():
         if wanted.file(name):
-            write_exr(parts, header(result.name, result.frame, program=main), stage / name)
+            write_exr(parts, stated(result), stage / name)
     tables = _tables(result) if wanted.file(SAMPLES) else []
     if tables:
         write_parquet(tables, result, stage / SAMPLES)

@@ -82,12 +82,20 @@ def test_exr_has_a_part_per_flank_with_named_channels_and_headers(folder, result
             assert all(c.pixels.dtype == np.float32 for c in channels.values())
             assert np.allclose(channels["deviation.um"].pixels, 1e3 * m.deviation.value, rtol=1e-6)
             assert np.allclose(channels["P.Y"].pixels, m.grid.point[..., 1], rtol=1e-6)
-            assert header["gearsim.scene"] == "spiral-bevel-flank"
-            assert "positive = material left" in header["gearsim.sign"]
-            assert header["gearsim.units"].startswith("mm")
-            assert header["gearsim.version"]
-            assert header["gearsim.frame"] == result.frame
-            assert "under program" in header["gearsim.program"]
+            stated_in_full({k: v for k, v in header.items() if k.startswith("gearsim.")}, result)
+
+
+def stated_in_full(notes, result):
+    """Scene, units, sign, frame, motion, what rows and columns are, how the picture lies, version."""
+    assert notes["gearsim.scene"] == "spiral-bevel-flank"
+    assert "positive = material left" in notes["gearsim.sign"]
+    assert notes["gearsim.units"].startswith("mm")
+    assert notes["gearsim.version"]
+    assert notes["gearsim.frame"] == result.frame
+    assert notes["gearsim.program"] == "program"
+    assert "deviation_um and segment.id are under program" in notes["gearsim.motion"]
+    assert notes["gearsim.rows_and_columns"] == "rows root to tip, columns toe to heel"
+    assert notes["gearsim.grid"].startswith("row 0 (the picture's top) is the root")
 
 
 def test_parquet_holds_every_sample_with_its_metadata(folder, result):
@@ -96,8 +104,7 @@ def test_parquet_holds_every_sample_with_its_metadata(folder, result):
     table = pq.read_table(folder / "samples.parquet")
     assert table.num_rows == 2 * 5 * 17 + 3 * 3 * 17
     notes = {k.decode(): v.decode() for k, v in table.schema.metadata.items() if k.startswith(b"gearsim.")}
-    assert notes["gearsim.scene"] == "spiral-bevel-flank"
-    assert "positive" in notes["gearsim.sign"]
+    stated_in_full(notes, result)
     columns = table.to_pydict()
     convex = np.array(columns["surface"]) == "convex"
     um = np.array(columns["program_um"])[convex]
@@ -114,6 +121,7 @@ def test_machined_surfaces_open_in_vtk(folder, result):
 
     mesh = pv.read(folder / "tooth.vtp")
     assert mesh.n_points == 2 * 85 + 3 * 3 * 17
+    stated_in_full({k: str(mesh.field_data[k][0]) for k in mesh.field_data}, result)
     assert {"deviation_um", "crossing", "segment", "patch", "intended_normal"} <= set(mesh.point_data)
     moved = np.sum((mesh.points - mesh["intended_point_mm"]) * mesh["intended_normal"], axis=1)
     assert np.allclose(1e3 * moved, mesh["deviation_um"], atol=0.05)
