@@ -7,7 +7,7 @@ from gearsim.errors import InputError
 from gearsim.machines.catalogue import phoenix
 from gearsim.metrology.grid import COARSE, DENSE
 from gearsim.metrology.program_times import ProgramMeasurement
-from gearsim.processes.run import plan, run
+from gearsim.processes.run import estimate, plan, run
 from gearsim.programs.axis_table import parse_axis_table
 from gearsim.scene import check_scene, load_scene, scene_table
 
@@ -56,8 +56,11 @@ def as_gcode(table):
 
 def test_a_table_of_axis_values_cuts_what_its_planned_run_cuts(pinion):
     planned, scene, folder = pinion
-    result = run(check_scene(scene | {"toolpath": {"file": "roll.csv"}}, "own"), folder=folder)
+    own = check_scene(scene | {"toolpath": {"file": "roll.csv"}}, "own")
+    result, told = run(own, folder=folder), estimate(own, folder)
     assert (result.verdict, result.exit_code, result.findings) == ("pass", 0, ())
+    assert told["rays"] == result.counts["rays"] - result.counts["following_rays"]
+    assert told["segments"] == result.counts["segments"]
     theirs, ours = dense(planned, "phoenix"), dense(result, "program")
     assert set(ours) == set(theirs)
     assert all(np.array_equal(ours[name], theirs[name]) for name in ours)

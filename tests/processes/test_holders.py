@@ -4,7 +4,7 @@ import pytest
 
 from gearsim.errors import InputError
 from gearsim.metrology.holder_check import HolderInspection
-from gearsim.processes.run import plan, run
+from gearsim.processes.run import estimate, plan, run
 from gearsim.scene import check_scene, load_scene, scene_table
 
 SMALL = ("metrology.rows=3", "metrology.columns=5", "metrology.convergence=[]", "simulation.dexel_pitch_mm=1.5")
@@ -22,6 +22,8 @@ def test_a_holder_that_hits_the_next_teeth_fails_the_run():
     (found,) = (f for f in hit.findings if f.kind == "holder_cut")
     assert found.cone_distance_mm > 0.0
     assert hit.measurements.keys() == clear.measurements.keys()
+    told = estimate(*load_scene("spiral-bevel-flank", (*short, "holder.sections_mm=[[60.0, 80.0, 30.0]]")))
+    assert told["rays"] == hit.counts["rays"] - hit.counts["following_rays"]
 
 
 def held(job):
