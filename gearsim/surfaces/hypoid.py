@@ -5,7 +5,7 @@ report's two heads are cones, alpha > 0 for the concave flank and alpha < 0 for 
 the outside and the inside blades of a ring with edge radii, which ends at its tip plane: the infinite cone of
 the report's equation (7) would cut with s < 0 too. Its equation of meshing (10), whose last term is printed with
 the wrong sign, is not used: the flank is the grazing points' closed form, and equal to (9) with (10) put right
-(tests/validation/test_hypoid_phoenix.py).
+(tests/validation/test_hypoid_report.py).
 
 Pinion frame: z along the pinion's axis, the apex of its pitch cone at the origin. It is not the point where
 the shafts cross: machine_centre_to_back counts from the apex.
