@@ -156,7 +156,7 @@ def _worst(looks: Sequence[FaceLook], met: Junctions, at_sides: NDArray, on_ridg
     """The tightest contact of all: where it lies, and what is predicted there."""
     found: list[TightPlace] = []
     for k, f in enumerate(looks):
-        flat = (f.grid.phi.ravel(), f.grid.v.ravel(), f.grid.point.reshape(-1, 3), f.samples)
+        flat = (f.grid.u.ravel(), f.grid.v.ravel(), f.grid.point.reshape(-1, 3), f.samples)
         for u, v, point, seen in (flat, (f.u, f.v, f.point, f.tight)):
             i = _lowest(np.where(seen.touches, seen.comparison.least, np.nan))
             if i >= 0:

@@ -102,7 +102,7 @@ class GougingInspection:
         asked = rings(surface, cutter, self.path, found, self.ring)
         standing = Variant("standing", "", (operation("contacts", cutter, [asked.standing], 1e-9),))
         whole, alone = yield [Cut(rays, variant), Cut(asked.rays, standing)]
-        deviation, at = measure(rays, whole), (grid.phi.ravel(), grid.v.ravel())
+        deviation, at = measure(rays, whole), (grid.u.ravel(), grid.v.ravel())
         made = attribute(surface, cutter, self.path, made_by.table, deviation, at, 1e-3 * self.tolerance_um)
         cut = ToolCut(
             cutter=cutter,

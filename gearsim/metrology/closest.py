@@ -17,7 +17,7 @@ def signed_distance(
 ) -> tuple[NDArray, NDArray, NDArray]:  # fmt: skip
     """Signed distance [mm] of points, shape (n, 3), to the grid's patch along its outward normal.
 
-    Positive outside the intended material. Returns (distance, phi, v); nan where the foot point leaves
+    Positive outside the intended material. Returns (distance, u, v); nan where the foot point leaves
     the grid's range, and where the point is farther from the patch than ``within`` [mm] for certain. Newton's method
     on the squared distance, started from the nearest grid point.
     """
@@ -25,28 +25,28 @@ def signed_distance(
 
     patch = grid.patch
     nearest = PointCloud(grid.point.reshape(-1, 3)).nearest(points, np.full(len(points), within + _cell(grid)))
-    phi, v = (np.append(c.ravel(), np.nan)[nearest] for c in (grid.phi, grid.v))
+    u, v = (np.append(c.ravel(), np.nan)[nearest] for c in (grid.u, grid.v))
     step, live = np.full(len(points), np.inf), np.flatnonzero(nearest >= 0)
     for _ in range(_STEPS):
-        jet = patch.jet(phi[live], v[live])
+        jet = patch.jet(u[live], v[live])
         miss = jet.r - points[live]
         g1, g2 = _dot(miss, jet.ru), _dot(miss, jet.rv)
         height = _dot(miss, jet.normal)
         second = jet.second_form()
         a, b, c = (_dot(p, q) + height * s for (p, q), s in zip(_pairs(jet), second, strict=True))
         det = a * c - b * b
-        dphi, dv = (b * g2 - c * g1) / det, (b * g1 - a * g2) / det
-        phi[live] += dphi
+        du, dv = (b * g2 - c * g1) / det, (b * g1 - a * g2) / det
+        u[live] += du
         v[live] += dv
-        step[live] = np.abs(dphi) * np.sqrt(_dot(jet.ru, jet.ru)) + np.abs(dv) * np.sqrt(_dot(jet.rv, jet.rv))
+        step[live] = np.abs(du) * np.sqrt(_dot(jet.ru, jet.ru)) + np.abs(dv) * np.sqrt(_dot(jet.rv, jet.rv))
         live = live[step[live] >= _SETTLED]
         if not len(live):
             break
-    done = np.flatnonzero((step < 1e-9) & _between(phi, grid.phi) & _between(v, grid.v))
+    done = np.flatnonzero((step < 1e-9) & _between(u, grid.u) & _between(v, grid.v))
     distance = np.full(len(points), np.nan)
-    jet = patch.jet(phi[done], v[done])
+    jet = patch.jet(u[done], v[done])
     distance[done] = _dot(points[done] - jet.r, jet.normal)
-    return distance, phi, v
+    return distance, u, v
 
 
 def _cell(grid: SampleGrid) -> float:

@@ -92,10 +92,10 @@ def _feet(grid: SampleGrid, points: NDArray) -> tuple[RayBundle, NDArray]:
 
     At most a few thousand, evenly picked.
     """
-    distance, phi, v = signed_distance(grid, points, _NEAR)
+    distance, u, v = signed_distance(grid, points, _NEAR)
     near = np.flatnonzero(np.abs(distance) < _NEAR)
     near = near[:: max(1, len(near) // _MOST)]
-    return window_rays(grid.patch, phi[near], v[near], grid.patch.jet(phi[near], v[near]).normal), distance[near]
+    return window_rays(grid.patch, u[near], v[near], grid.patch.jet(u[near], v[near]).normal), distance[near]
 
 
 def _foot_gaps(distance: NDArray, removed: IntervalSet) -> NDArray:

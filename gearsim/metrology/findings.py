@@ -20,7 +20,7 @@ _DEEPER_MM = 1e-6
 @dataclass(frozen=True)
 class Finding:
     """``depth_um`` (negative: cut into the tooth; positive: material left; None: a collision, whatever its
-    depth) at ``place_mm``, gear frame.
+    depth) at ``place_mm``, the part's frame.
 
     Cone distance and height above the root are None off a gear blank. ``fails``: beyond the scene's tolerance.
     """

@@ -15,7 +15,7 @@ from gearsim.surfaces.patch import Jet, Patch, ToothSurface
 class SampleGrid:
     """Points of one patch on a grid: rows from root to tip, columns from toe to heel.
 
-    ``length`` (columns,) and ``height`` (rows,) are the fractions of Patch.locate; ``phi``, ``v``
+    ``length`` (columns,) and ``height`` (rows,) are the fractions of Patch.locate; ``u``, ``v``
     (rows, columns) the surface parameters; ``point`` [mm] and ``normal`` (out of the material), shape
     (rows, columns, 3), nan where there is no surface; ``inward``, ``outward`` [mm], shape (rows, columns),
     the measuring window: on a tooth half its thickness, and half the slot's width or what the blank leaves.
@@ -24,7 +24,7 @@ class SampleGrid:
     patch: Patch
     length: NDArray[np.floating]
     height: NDArray[np.floating]
-    phi: NDArray[np.floating]
+    u: NDArray[np.floating]
     v: NDArray[np.floating]
     point: NDArray[np.floating]
     normal: NDArray[np.floating]
@@ -50,12 +50,12 @@ def sample_grid(patch: Patch, rows: int, columns: int, margin: float = 0.0, wind
     """
     height = np.linspace(margin, 1.0 - margin, rows)
     length = np.linspace(margin, 1.0 - margin, columns)
-    phi, v = patch.locate(*np.broadcast_arrays(length[None, :], height[:, None]))
-    jet = patch.jet(phi.ravel(), v.ravel())
-    rays = window_rays(patch, phi.ravel(), v.ravel(), jet.normal, window)
+    u, v = patch.locate(*np.broadcast_arrays(length[None, :], height[:, None]))
+    jet = patch.jet(u.ravel(), v.ravel())
+    rays = window_rays(patch, u.ravel(), v.ravel(), jet.normal, window)
     shape = (rows, columns)
     return SampleGrid(
-        patch, length, height, phi, v, jet.r.reshape(*shape, 3), jet.normal.reshape(*shape, 3),
+        patch, length, height, u, v, jet.r.reshape(*shape, 3), jet.normal.reshape(*shape, 3),
         -rays.start.reshape(shape), rays.end.reshape(shape),
     )  # fmt: skip
 
@@ -71,14 +71,14 @@ def grid_on_lines(patch: Patch, u: NDArray, v: NDArray, jet: Jet) -> SampleGrid:
     )
 
 
-def window_rays(patch: Patch, phi: NDArray, v: NDArray, direction: NDArray, window: float = 1.0) -> RayBundle:
+def window_rays(patch: Patch, u: NDArray, v: NDArray, direction: NDArray, window: float = 1.0) -> RayBundle:
     """Rays from points of a patch, shape (n,) parameters, with their measuring windows.
 
     The patch's windows times ``window``, but not past the stock's surface: beyond it there was never any
     material to leave.
     """
-    origin = patch.jet(phi, v).r
-    inward, outward = (window * w for w in patch.windows(phi, v))
+    origin = patch.jet(u, v).r
+    inward, outward = (window * w for w in patch.windows(u, v))
     if patch.blank is None:
         return RayBundle(origin, direction, -inward, outward)
     ray, start, end = patch.blank.stock.chords(origin, direction)

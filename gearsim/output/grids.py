@@ -238,9 +238,9 @@ def _rows(variants: list[GridMeasurement]) -> dict[str, NDArray[Any]]:
     any_one = variants[0]
     grid = any_one.grid
     row, column = np.indices(grid.shape)
-    curvature = grid.patch.jet(grid.phi.ravel(), grid.v.ravel()).curvature()
+    curvature = grid.patch.jet(grid.u.ravel(), grid.v.ravel()).curvature()
     out: dict[str, NDArray[Any]] = {
-        "surface": np.full(grid.phi.size, any_one.surface), "row": row, "column": column, "u": grid.phi, "v": grid.v,
+        "surface": np.full(grid.u.size, any_one.surface), "row": row, "column": column, "u": grid.u, "v": grid.v,
         "length_share": np.broadcast_to(grid.length, grid.shape),
         "height_share": np.broadcast_to(grid.height[:, None], grid.shape),
     }  # fmt: skip

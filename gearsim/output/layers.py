@@ -70,7 +70,7 @@ def grazing_curves(grid: SampleGrid) -> NDArray:
     """Curves of constant time on a surface and its blank, shape (curves, points, 3), nan beyond them."""
     columns = np.unique(np.linspace(0, grid.shape[1] - 1, _CURVES).astype(int))
     rows = np.linspace(0.0, 1.0, _POINTS)
-    u = np.repeat(np.nanmedian(grid.phi[:, columns], axis=0), _POINTS)
+    u = np.repeat(np.nanmedian(grid.u[:, columns], axis=0), _POINTS)
     low, high = np.nanmin(grid.v[:, columns], axis=0), np.nanmax(grid.v[:, columns], axis=0)
     v = (low[:, None] + (high - low)[:, None] * rows).ravel()
     jet = grid.patch.jet(u, v)

@@ -151,7 +151,7 @@ def test_the_slot_is_a_hypoid_pinion_s():
     assert pinion.concave.hand == "left"
     grids = {side: sample_grid(pinion.flank(side), 5, 7) for side in ("concave", "convex")}
     for side, grid in grids.items():
-        jet = pinion.flank(side).jet(grid.phi.ravel(), grid.v.ravel())
+        jet = pinion.flank(side).jet(grid.u.ravel(), grid.v.ravel())
         assert jet.exists.all()
         assert not jet.undercut.any()
         at = grid.point[2, 3]

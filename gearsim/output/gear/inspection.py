@@ -140,7 +140,7 @@ def _flank_maps(result: Result, gear: CylindricalGear) -> dict[Side, FlankMap]:
         if not isinstance(m, GridMeasurement):
             return {}
         grid = m.grid
-        out[side] = FlankMap(side, 0, gear.base_radius * grid.phi[:, 0], grid.v[0], 1e3 * m.deviation.value)
+        out[side] = FlankMap(side, 0, gear.base_radius * grid.u[:, 0], grid.v[0], 1e3 * m.deviation.value)
     return out
 
 

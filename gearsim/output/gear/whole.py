@@ -124,7 +124,7 @@ def _section(section: Section) -> dict[str, NDArray]:
 def _tool(flank: ReachedFlank, grid: SampleGrid, cutter: Profile) -> dict[str, NDArray]:
     """The tool where it generates the middle of space 0's left flank."""
     gear = flank.gear
-    roll, z = float(np.median(grid.phi)), -0.5 * gear.facewidth
+    roll, z = float(np.median(grid.u)), -0.5 * gear.facewidth
     jet, axis = flank.jet(roll, z), flank.axis(roll, z)
     down = (-gear.facewidth - z) / axis[2]  # the tip at the bottom face
     radius = float(np.max(outline(cutter)[:, 0]))

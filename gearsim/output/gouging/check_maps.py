@@ -106,7 +106,7 @@ def _strokes(axis: Any, check: GougeCheck, f: FaceLook, least: NDArray) -> None:
         return
     at = i * grid.shape[1] + j
     way = _worst_tangents(check, f, at)
-    jet = surface.jet(grid.phi.ravel()[at], grid.v.ravel()[at])
+    jet = surface.jet(grid.u.ravel()[at], grid.v.ravel()[at])
     e, g12, g = (np.einsum("ni,ni->n", a, b) for a, b in ((jet.ru, jet.ru), (jet.ru, jet.rv), (jet.rv, jet.rv)))
     p, q = (np.einsum("ni,ni->n", way, d) for d in (jet.ru, jet.rv))
     (u0, u1), (v0, v1) = surface.domain
