@@ -70,13 +70,14 @@ def test_exr_has_a_part_per_flank_with_named_channels_and_headers(folder, result
     import OpenEXR
 
     with OpenEXR.File(str(folder / "deviation.exr"), separate_channels=True) as file:
-        assert [p.name() for p in file.parts] == ["convex", "concave", "concave fillet", "bottom", "convex fillet"]
-        for part in file.parts:
+        assert [p.name() for p in file.parts[1:]] == ["convex", "concave", "concave fillet", "bottom", "convex fillet"]
+        for part in file.parts[1:]:
             channels, header = part.channels, part.header
             m = result.measurements[part.name(), "program", DENSE]
             by_two_roads = {f"{name}.{what}.um" for name in ("theory", "own_pass") for what in ("deviation", "gap")}
             assert set(channels) == {
                 "deviation.um", "P.X", "P.Y", "P.Z", "N.X", "N.Y", "N.Z", "segment.id", "valid",
+                "share.length", "share.height", "parameter.u", "parameter.v",
                 *(by_two_roads if part.name() in SIDES else ()),
             }  # fmt: skip
             assert all(c.pixels.dtype == np.float32 for c in channels.values())
@@ -88,6 +89,10 @@ def test_exr_has_a_part_per_flank_with_named_channels_and_headers(folder, result
             assert header["gearsim.version"]
             assert header["gearsim.frame"] == result.frame
             assert "under program" in header["gearsim.program"]
+            assert (header["gearsim.rows"], header["gearsim.columns"]) == tuple(map(str, m.grid.shape))
+            assert "share.height 0.01 to 0.99" in header["gearsim.parameters"]
+            assert json.loads(header["gearsim.settings"])["cutter"]["kind"] == "conical"
+            assert set(json.loads(header["gearsim.channels"])) == set(channels)
 
 
 def test_parquet_holds_every_sample_with_its_metadata(folder, result):

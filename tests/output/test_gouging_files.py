@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from gearsim.output.columns import Column
 from gearsim.output.drawer import patch_meshes
 from gearsim.output.exr import header, write_exr
 from gearsim.output.presenters import collected
@@ -73,7 +74,7 @@ def test_a_report_of_numbers_alone_speaks_of_no_deviation(tmp_path):
 def test_parts_of_different_sizes_share_one_exr(tmp_path):
     import OpenEXR
 
-    parts = {"small": {"a": np.ones((2, 3))}, "tall": {"a": np.full((7, 2), 2.0)}}
+    parts = {"small": {"a": Column(np.ones((2, 3)), "one")}, "tall": {"a": Column(np.full((7, 2), 2.0), "two")}}
     write_exr(parts, header("faces", "part"), tmp_path / "a.exr")
     with OpenEXR.File(str(tmp_path / "a.exr"), separate_channels=True) as file:
-        assert {p.name(): p.channels["a"].pixels.shape for p in file.parts} == {"small": (2, 3), "tall": (7, 2)}
+        assert {p.name(): p.channels["a"].pixels.shape for p in file.parts[1:]} == {"small": (2, 3), "tall": (7, 2)}
