@@ -180,9 +180,10 @@ def _to_parquet(points: PointList, file: Path) -> None:
     import pyarrow as pa
     import pyarrow.parquet as pq
 
-    values = np.hstack([points.point, points.normal])
-    table = pa.table({c: values[:, i] for i, c in enumerate(COLUMNS)})
-    pq.write_table(table.replace_schema_metadata({f"gearsim.{k}": v for k, v in points.header().items()}), file)
+    units = {name: {"unit": "mm"} if name.endswith("_mm") else None for name in COLUMNS}
+    fields = [pa.field(name, pa.float64(), metadata=units[name]) for name in COLUMNS]
+    schema = pa.schema(fields, {f"gearsim.{k}": v for k, v in points.header().items()})
+    pq.write_table(pa.table(list(np.hstack([points.point, points.normal]).T), schema=schema), file)
 
 
 def _from_parquet(file: Path) -> PointList:

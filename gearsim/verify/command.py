@@ -91,13 +91,16 @@ def verify_list(subjects: Subjects, file: Path, limits: Limits) -> list[SubjectR
 
 def write_lists(subjects: Subjects, file: Path) -> list[Path]:
     """The one subject's surfaces as point lists; every file's name is ``file``'s with the surface's put in."""
+    name, forms = _only(subjects, "--write-points")
     written = []
-    for form in _only(subjects, "--write-points")[1]:
+    for form in forms:
         points = machined_points(form, *GRID)
         if len(points.point):
             target = file.with_name(f"{file.stem}-{file_name(form.name)}{file.suffix}")
             write_points(points, target)
             written.append(target)
+    if not written:
+        raise InputError(f"--write-points {file}: no surface of {name} has a point that its motion leaves")
     return written
 
 
