@@ -62,11 +62,23 @@ def draw_all(result: Result, folder: Path, wanted: Wanted, tell: Callable[[dict[
     surfaces = patch_meshes(data)
     if surfaces and wanted.file(MESHES):
         whole = pv.merge(list(surfaces.values()), merge_points=False)
-        whole.extract_surface(algorithm=None).save(folder / MESHES)
+        _save(whole.extract_surface(algorithm=None), folder / MESHES)
     pictures = [p for p in _drawable(data) if wanted.file(p.file)]
     tell({p.file: p.caption for p in pictures})
     for picture in pictures:
         picture.draw(data, surfaces, folder / picture.file)
+
+
+def _save(mesh: Any, file: Path) -> None:
+    """Write a mesh as VTK would, but by Python: VTK's own writing ends the process where the disk takes no more."""
+    from vtkmodules.vtkIOXML import vtkXMLPolyDataWriter
+
+    writer = vtkXMLPolyDataWriter()
+    writer.SetInputData(mesh)
+    writer.SetDataModeToBinary()
+    writer.WriteToOutputStringOn()
+    writer.Write()
+    file.write_text(writer.GetOutputString(), encoding="ascii")
 
 
 def _arrays(result: Result) -> Arrays:

@@ -37,6 +37,7 @@ def write_exr(
 
     The preview shows one channel of every part, one below the other, and the data windows of the parts lie where it
     shows them. Its colours end at ``limit_um``, where that channel is in um, else at its greatest absolute value.
+    Raises OSError where the file cannot be written.
     """
     import OpenEXR
 
@@ -59,7 +60,10 @@ def write_exr(
         window = {"dataWindow": ((0, top), (columns - 1, top + rows - 1))}
         written.append(OpenEXR.Part({**shared, **window, **_notes(channels)}, pixels, name))
     with OpenEXR.File(written) as out:
-        out.write(str(file))
+        try:
+            out.write(str(file))
+        except RuntimeError as error:  # what it makes of a full disk
+            raise OSError(str(error)) from error
 
 
 def _previewed(channels: Mapping[str, Column]) -> str:
