@@ -36,16 +36,16 @@ def written(file: Path, what: str = "") -> Iterator[Path]:
     ``what`` it is stands in the message. Raises InputError where it cannot be written; then an older file is as it was.
     """
     target = file.resolve()
-    whole = target.exists() and not target.is_file()
-    scratch = target if whole else target.with_name(f".unfinished-{os.getpid()}-{target.name}")
+    device = target.exists() and not target.is_file()
+    scratch = target if device else target.with_name(f".unfinished-{os.getpid()}-{target.name}")
     try:
         yield scratch
-        if not whole:
+        if not device:
             os.replace(scratch, target)
     except OSError as error:
         raise InputError(f"cannot write {f'{what} ' * bool(what)}{file}: {error.strerror or error}") from error
     finally:
-        if not whole:
+        if not device:
             with suppress(OSError):
                 scratch.unlink()
 

@@ -53,7 +53,8 @@ def write_exr(
     }
     colours = {colour: np.ascontiguousarray(picture[..., k]) for k, colour in enumerate("RGB")}
     legend = {f"gearsim.{PREVIEW}": _legend(shown, limit)}
-    written = [OpenEXR.Part({**shared, **legend}, {k: OpenEXR.Channel(v) for k, v in colours.items()}, PREVIEW)]
+    first = PREVIEW + "_" * (PREVIEW in parts)
+    written = [OpenEXR.Part({**shared, **legend}, {k: OpenEXR.Channel(v) for k, v in colours.items()}, first)]
     for (name, channels), top in zip(parts.items(), tops(maps), strict=True):
         pixels = {k: OpenEXR.Channel(_singles(column)) for k, column in channels.items()}
         rows, columns = np.shape(channels[shown].values)
