@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import argparse
-import os
 import sys
 from collections.abc import Sequence
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
@@ -22,8 +22,20 @@ _EXIT_CODES = """exit codes:
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run the command line; returns the exit code."""
-    options = _parser().parse_args(arguments)
+    from gearsim.output.standard import safe_streams
+
     try:
+        with safe_streams():
+            return _told(arguments)
+    except InputError as error:  # standard output takes no more
+        print(f"gearsim: {error}", file=sys.stderr)
+        return error.exit_code
+
+
+def _told(arguments: Sequence[str] | None) -> int:
+    """Run the command; every failure is told in one message and is its exit code."""
+    try:
+        options = _parser().parse_args(arguments)
         return int(options.command(options))
     except GearsimError as error:
         print(f"gearsim: {error}", file=sys.stderr)
@@ -35,9 +47,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
             file=sys.stderr,
         )
         return InputError.exit_code
-    except BrokenPipeError:  # the reader of our output has left
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
-        return 1
+    except OSError as error:  # whatever the disk refuses where nobody else has said what it was for
+        print(f"gearsim: {error}", file=sys.stderr)
+        return InputError.exit_code
     except KeyboardInterrupt:
         print("gearsim: interrupted; nothing was written", file=sys.stderr)
         return 130
@@ -209,7 +221,7 @@ def _run(options: argparse.Namespace) -> int:
     scene, folder = load_scene(options.scene, options.set)
     if options.dry_run:
         return _dry_run(scene, folder, options.device)
-    from gearsim.output.files import staged
+    from gearsim.output.files import into, staged
     from gearsim.output.painting import Painters
     from gearsim.output.screen import ScreenProgress, print_result
     from gearsim.output.wanted import Wanted
@@ -221,7 +233,8 @@ def _run(options: argparse.Namespace) -> int:
     with staged(out) as stage, Painters(wanted) as painters, ScreenProgress() as progress:
         result = run(scene, device=options.device, folder=folder, progress=progress)
         progress.stage("writing report and pictures", 0)
-        missing = write_result(result, stage, painters)
+        with into(out):
+            missing = write_result(result, stage, painters)
     print_result(result, out / "report.html" if wanted.file("report.html") else out, missing)
     return result.exit_code
 
@@ -257,6 +270,8 @@ def _new(options: argparse.Namespace) -> int:
     except FileExistsError:
         raise InputError(f"{target} exists already; choose another name") from None
     except OSError as error:
+        with suppress(OSError):
+            target.unlink()
         raise InputError(f"cannot write {target}: {error.strerror}") from error
     print(f"wrote {target}; edit it, then: gearsim run {target}")
     return 0

@@ -1,7 +1,10 @@
-"""Exceptions, input files that cannot be read, and what the status bits of a kernel mean to a person."""
+"""Exceptions, files that cannot be read or written, and what the status bits of a kernel mean to a person."""
 
 from __future__ import annotations
 
+import os
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
 from enum import IntFlag
 from pathlib import Path
 
@@ -24,6 +27,27 @@ def read_input(file: Path, what: str) -> str:
         raise InputError(f"cannot read {what} {file}: it is not UTF-8 text (byte {error.start})") from error
     except OSError as error:
         raise InputError(f"cannot read {what} {file}: {error.strerror}") from error
+
+
+@contextmanager
+def written(file: Path, what: str = "") -> Iterator[Path]:
+    """A scratch file beside ``file`` that takes its place when the block ends without an error; devices are written to.
+
+    ``what`` it is stands in the message. Raises InputError where it cannot be written; then an older file is as it was.
+    """
+    target = file.resolve()
+    device = target.exists() and not target.is_file()
+    scratch = target if device else target.with_name(f".unfinished-{os.getpid()}-{target.name}")
+    try:
+        yield scratch
+        if not device:
+            os.replace(scratch, target)
+    except OSError as error:
+        raise InputError(f"cannot write {f'{what} ' * bool(what)}{file}: {error.strerror or error}") from error
+    finally:
+        if not device:
+            with suppress(OSError):
+                scratch.unlink()
 
 
 class NumericalError(GearsimError):

@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 
 from gearsim.bench.suites import SUITES, run_suite
-from gearsim.errors import InputError
+from gearsim.errors import InputError, written
 from gearsim.output.screen import print_bench
 from gearsim.output.summary import write_json
 
@@ -24,8 +24,6 @@ def bench(options: argparse.Namespace) -> int:
     report = run_suite(suite, options.device, options.size, options.against)
     print_bench(report)
     if options.out:
-        try:
-            write_json(report, options.out)
-        except OSError as error:
-            raise InputError(f"cannot write {options.out}: {error.strerror}") from error
+        with written(options.out) as scratch:
+            write_json(report, scratch)
     return 0

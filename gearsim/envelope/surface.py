@@ -53,14 +53,16 @@ class EnvelopeGrid(NamedTuple):
 
 
 def prepare_envelope(device: str = "cpu") -> float:
-    """Compile and load the envelope road's kernels ahead of use; seconds taken."""
-    import warp as wp
+    """Compile and load the envelope road's kernels ahead of use; seconds taken.
 
+    Raises InputError where what is compiled cannot be kept.
+    """
     from gearsim.kernels import approach, crossing, envelope, nearby, pursuit
+    from gearsim.kernels.loading import load_kernels
 
     started = perf_counter()
     for module in (approach, crossing, pursuit, nearby, envelope):
-        wp.load_module(module, device=device)
+        load_kernels(module, device)
     return perf_counter() - started
 
 

@@ -13,6 +13,7 @@ from numpy.typing import ArrayLike
 from gearsim.errors import InputError
 from gearsim.geometry.nurbs import SurfaceDerivatives
 from gearsim.kernels import nurbs as kernels
+from gearsim.kernels.loading import load_kernels
 from gearsim.simulation.removal import open_device
 from gearsim.surfaces.nurbs import NurbsJet, NurbsSurface
 
@@ -29,7 +30,7 @@ def evaluate(
     """
     u, v = surface.inside(u, v)
     data = surface_data(surface, device)
-    wp.load_module(kernels, device=device)
+    load_kernels(kernels, device)
     inputs = [wp.array(x, dtype=wp.float64, device=device, copy=False) for x in (u, v)]
     outputs = [wp.empty(len(u), dtype=wp.vec3d, device=device) for _ in SurfaceDerivatives._fields]
 

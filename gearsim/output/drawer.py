@@ -66,11 +66,23 @@ def draw_all(result: Result, folder: Path, wanted: Wanted, tell: Callable[[dict[
         skin = whole.extract_surface(algorithm=None)
         for key, text in stated(result).items():
             skin.field_data[f"gearsim.{key}"] = [text]
-        skin.save(folder / MESHES)
+        _save(skin, folder / MESHES)
     pictures = [p for p in _drawable(data) if wanted.file(p.file)]
     tell({p.file: p.caption for p in pictures})
     for picture in pictures:
         picture.draw(data, surfaces, folder / picture.file)
+
+
+def _save(mesh: Any, file: Path) -> None:
+    """Write a mesh as VTK would, but by Python: VTK's own writing ends the process where the disk takes no more."""
+    from vtkmodules.vtkIOXML import vtkXMLPolyDataWriter
+
+    writer = vtkXMLPolyDataWriter()
+    writer.SetInputData(mesh)
+    writer.SetDataModeToBinary()
+    writer.WriteToOutputStringOn()
+    writer.Write()
+    file.write_text(writer.GetOutputString(), encoding="ascii")
 
 
 def _arrays(result: Result) -> Arrays:

@@ -6,8 +6,10 @@ what is wanted. A machine without OpenGL ends the 3D process, not the run.
 
 from __future__ import annotations
 
+import errno
 import gc
 import json
+import os
 import pickle
 import re
 import subprocess
@@ -20,6 +22,8 @@ from gearsim.result import Result
 
 RESULT = "_result.pickle"
 KINDS = ("flat", "solid")
+_DISK = 100  # and the number of the error: the exit code of a drawing process that the disk refused
+_DISK_ERRORS = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EIO)
 _REMEDY = "They need OpenGL without a screen; on Debian or Ubuntu: apt-get install libegl1 libgl1-mesa-dri"
 
 
@@ -59,7 +63,10 @@ class Painters:
                 pass
 
     def finish(self) -> tuple[dict[str, str], list[str]]:
-        """Wait; the captions of all pictures by file name, and what could not be drawn, one line each."""
+        """Wait; the captions of all pictures by file name, and what could not be drawn, one line each.
+
+        Raises OSError where the disk took no more.
+        """
         assert self._folder is not None
         captions: dict[str, str] = {}
         missing: list[str] = []
@@ -68,6 +75,8 @@ class Painters:
             told = self._folder / f"_{kind}.json"
             drawn = json.loads(told.read_text(encoding="utf-8")) if told.exists() else {}
             captions |= {name: text for name, text in drawn.items() if (self._folder / name).exists()}
+            if process.returncode - _DISK in _DISK_ERRORS:
+                raise OSError(process.returncode - _DISK, os.strerror(process.returncode - _DISK))
             if process.returncode:
                 missing.append(_reason(kind, [n for n in drawn if n not in captions], errors, process.returncode))
             told.unlink(missing_ok=True)
@@ -117,7 +126,12 @@ def main(kind: str) -> None:
     def tell(captions: dict[str, str]) -> None:
         (folder / f"_{kind}.json").write_text(json.dumps(captions), encoding="utf-8")
 
-    paint(result, folder, wanted, tell)
+    try:
+        paint(result, folder, wanted, tell)
+    except OSError as error:
+        if error.errno in _DISK_ERRORS:
+            sys.exit(_DISK + error.errno)
+        raise
 
 
 Paint = Callable[[Result, Path, Wanted, Callable[[dict[str, str]], None]], None]

@@ -2,33 +2,54 @@
 
 from __future__ import annotations
 
+import json
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from gearsim.output.columns import Column, about
 from gearsim.output.exr import stated
 from gearsim.result import Result
 
 
-def write_parquet(tables: list[dict[str, NDArray[Any]]], result: Result, file: Path) -> None:
-    """Write samples, one table of flat columns a surface, with what the file states in its metadata.
+def write_parquet(tables: list[dict[str, Column]], result: Result, file: Path) -> None:
+    """Write samples, one table of columns a surface, with what the file states in its metadata.
 
-    A column that a table lacks is null in its rows, as is every nan.
+    A column that a table lacks is null in its rows, as is every number that is masked or not finite. Codes are words:
+    a dictionary column opens as another kind of thing in each reader, and Parquet packs words as small. Unit, meaning
+    and key stand in each column's own metadata, and all together as JSON under ``gearsim.columns`` in the file's, for
+    readers that show no other.
     """
     import pyarrow as pa
     import pyarrow.parquet as pq
 
     names = list(dict.fromkeys(name for table in tables for name in table))
-    parts = [pa.table({name: _column(table, name) for name in names if name in table}) for table in tables]
-    notes = {**stated(result), "version": result.versions["gearsim"]}
+    parts = [pa.table({name: _values(table[name]) for name in names if name in table}) for table in tables]
     whole = pa.concat_tables(parts, promote_options="default").select(names)
-    pq.write_table(whole.replace_schema_metadata({f"gearsim.{k}": v for k, v in notes.items()}), file)
+    notes = {**stated(result), "version": result.versions["gearsim"]}
+    told = {name: about(name, _together([table for table in tables if name in table], name)) for name in names}
+    notes["columns"] = json.dumps(told, ensure_ascii=False)
+    fields = [whole.schema.field(name).with_metadata(_texts(told[name])) for name in names]
+    pq.write_table(whole.cast(pa.schema(fields, {f"gearsim.{k}": v for k, v in notes.items()})), file)
 
 
-def _column(table: dict[str, NDArray[Any]], name: str) -> Any:
+def _together(tables: list[dict[str, Column]], name: str) -> Column:
+    """One column for what is said of it in several tables; its key goes by surface where surfaces differ."""
+    keys = {str(table["surface"].values.flat[0]): table[name].key for table in tables}
+    first = tables[0][name]
+    return first if all(key == first.key for key in keys.values()) else first._replace(key=keys)
+
+
+def _texts(told: dict[str, Any]) -> dict[str, str]:
+    return {k: v if isinstance(v, str) else json.dumps(v, ensure_ascii=False) for k, v in told.items()}
+
+
+def _values(column: Column) -> Any:
     import pyarrow as pa
 
-    values = np.ravel(table[name])
-    return pa.array(values, mask=np.isnan(values) if values.dtype.kind == "f" else None)
+    values = np.ma.getdata(column.values).ravel()
+    none = np.ma.getmaskarray(column.values).ravel()
+    if values.dtype.kind == "f":
+        none = none | ~np.isfinite(values)
+    return pa.array(values, mask=none)

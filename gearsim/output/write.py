@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Iterator
 from fnmatch import fnmatchcase
+from math import inf
 from pathlib import Path
-
-import numpy as np
-from numpy.typing import NDArray
 
 from gearsim.errors import InputError
 from gearsim.output.charts import all_charts
+from gearsim.output.columns import Column
 from gearsim.output.exr import stated, write_exr
 from gearsim.output.files import LAST
 from gearsim.output.markdown import write_report
@@ -82,9 +82,10 @@ def _write_reports(
 
 
 def _write_data(result: Result, stage: Path, wanted: Wanted) -> None:
+    notes = stated(result) | {"settings": json.dumps(result.scene, default=str)}
     for name, parts in _maps(result).items():
         if wanted.file(name):
-            write_exr(parts, stated(result), stage / name)
+            write_exr(parts, notes, stage / name, _tolerance_um(result))
     tables = _tables(result) if wanted.file(SAMPLES) else []
     if tables:
         write_parquet(tables, result, stage / SAMPLES)
@@ -93,18 +94,24 @@ def _write_data(result: Result, stage: Path, wanted: Wanted) -> None:
             (stage / name).write_text(text, encoding="utf-8")
 
 
-def _tables(result: Result) -> list[dict[str, NDArray]]:
+def _tolerance_um(result: Result) -> float:
+    """The tightest tolerance of all surfaces, inf where there is none."""
+    given = (s.tolerance for s in result.job.part.surfaces.values() if s.tolerance is not None)
+    return min((um for t in given for um in (t.overcut_um, t.excess_um) if um > 0.0), default=inf)
+
+
+def _tables(result: Result) -> list[dict[str, Column]]:
     """The columns that all presenters give, one table a surface."""
     tables = [table for tables in collected(result, "rows") for table in tables]
     for more in collected(result, "columns"):
         for table in tables:
-            table |= {name: np.ravel(values) for name, values in more.get(str(table["surface"][0]), {}).items()}
+            table |= more.get(str(table["surface"].values.flat[0]), {})
     return tables
 
 
-def _maps(result: Result) -> dict[str, dict[str, dict[str, NDArray]]]:
+def _maps(result: Result) -> dict[str, dict[str, dict[str, Column]]]:
     """The channels that all presenters give, by file and part."""
-    files: dict[str, dict[str, dict[str, NDArray]]] = {}
+    files: dict[str, dict[str, dict[str, Column]]] = {}
     for given in collected(result, "maps"):
         for file, parts in given.items():
             for part, channels in parts.items():

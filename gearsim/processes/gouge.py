@@ -9,7 +9,7 @@ from rich.console import Console
 from gearsim.errors import InputError
 from gearsim.gouging.asked import read_faces, read_mills
 from gearsim.gouging.check import check_faces
-from gearsim.output.files import staged
+from gearsim.output.files import into, staged
 from gearsim.output.gouging.check import print_check, write_check
 from gearsim.scene.catalogue import read_cutter
 
@@ -27,7 +27,7 @@ def gouge(options: argparse.Namespace) -> int:
     console = Console(highlight=False, soft_wrap=True)
     print_check(check, console)
     if options.out:
-        with staged(options.out) as stage:
+        with staged(options.out) as stage, into(options.out):
             write_check(check, stage)
         console.print(f"report: {options.out / 'report.html'}")
     return check.exit_code

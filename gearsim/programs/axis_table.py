@@ -1,7 +1,7 @@
 """A table of axis values as text: what a controller would run, block by block.
 
-CSV: a line ``machine,<name>``, a line of column names ``block,X_mm,...,A_deg,...``, then one line a block with
-its number. Lines that start with ``#`` and empty lines are skipped.
+CSV as every reader takes it: a line of column names ``block,X_mm,...,A_deg,...,machine``, then one line a block with
+its number and the machine's name. By hand, lines that start with ``#`` and empty lines may stand anywhere.
 """
 
 from __future__ import annotations
@@ -31,19 +31,19 @@ class AxisTable:
 
 
 def column_names(machine: Machine) -> tuple[str, ...]:
-    """The columns of a machine's table: block number, slides in mm, rotary axes in degrees."""
+    """The columns of a machine's table: block number, slides in mm, rotary axes in degrees, the machine's name."""
     units = ("deg" if joint.is_rotary else "mm" for joint in machine.joints)
-    return ("block", *(f"{name}_{unit}" for name, unit in zip(machine.axes, units, strict=True)))
+    return ("block", *(f"{name}_{unit}" for name, unit in zip(machine.axes, units, strict=True)), "machine")
 
 
 def format_axis_table(table: AxisTable, decimals: int) -> str:
     """The table as text with ``decimals`` digits behind the point."""
     shown = np.round(table.values * _degrees(table.machine), decimals) + 0.0
     rows = (
-        f"{block}," + ",".join(f"{value:.{decimals}f}" for value in row)
+        f"{block}," + ",".join(f"{value:.{decimals}f}" for value in row) + f",{table.machine.name}"
         for block, row in zip(table.blocks, shown, strict=True)
     )
-    return "\n".join([f"machine,{table.machine.name}", ",".join(table.columns), *rows, ""])
+    return "\n".join([",".join(table.columns), *rows, ""])
 
 
 def parse_axis_table(text: str, machine: Machine, name: str = "axis table") -> AxisTable:
@@ -58,16 +58,12 @@ def parse_axis_table(text: str, machine: Machine, name: str = "axis table") -> A
         if line.strip() and not line.lstrip().startswith("#")
     ]
     columns = column_names(machine)
-    if len(lines) < 3:
-        raise InputError(
-            f"{name}: expected a line machine,{machine.name}, a line {','.join(columns)} and at least one block"
-        )
-    (first, title), (second, header), *rows = lines
-    if title != ["machine", machine.name]:
-        raise InputError(f"{name}, line {first}: expected machine,{machine.name}, got {','.join(title)}")
-    _check_header(header, columns, f"{name}, line {second}")
+    if len(lines) < 2:
+        raise InputError(f"{name}: expected a line {','.join(columns)} and at least one block")
+    (first, header), *rows = lines
+    _check_header(header, columns, f"{name}, line {first}")
     blocks = np.array([_block(cells[0], f"{name}, line {number}") for number, cells in rows])
-    values = np.array([_row(cells, columns, f"{name}, line {number}") for number, cells in rows])
+    values = np.array([_row(cells, columns, machine.name, f"{name}, line {number}") for number, cells in rows])
     wrong = np.flatnonzero(np.diff(blocks) <= 0)
     if len(wrong):
         i = int(wrong[0]) + 1
@@ -98,11 +94,13 @@ def _block(cell: str, where: str) -> int:
     return int(cell)
 
 
-def _row(cells: list[str], columns: tuple[str, ...], where: str) -> list[float]:
+def _row(cells: list[str], columns: tuple[str, ...], machine: str, where: str) -> list[float]:
     if len(cells) != len(columns):
         raise InputError(f"{where}: {len(cells)} cells; expected {len(columns)} for {','.join(columns)}")
+    if cells[-1] != machine:
+        raise InputError(f"{where}, column machine: expected {machine}, got {cells[-1]!r}")
     numbers = []
-    for cell, column in zip(cells[1:], columns[1:], strict=True):
+    for cell, column in zip(cells[1:-1], columns[1:-1], strict=True):
         try:
             numbers.append(float(cell))
         except ValueError:

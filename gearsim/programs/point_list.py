@@ -15,7 +15,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from gearsim.errors import InputError, read_input
+from gearsim.errors import InputError, read_input, written
 
 COLUMNS = ("x_mm", "y_mm", "z_mm", "nx", "ny", "nz")
 AXIS = "z along the gear axis"
@@ -58,13 +58,11 @@ def write_points(points: PointList, file: Path) -> None:
 
     Raises InputError where the file cannot be written.
     """
-    try:
+    with written(file, "point list") as scratch:
         if file.suffix.lower() == ".parquet":
-            _to_parquet(points, file)
+            _to_parquet(points, scratch)
         else:
-            file.write_text(format_points(points), encoding="utf-8")
-    except OSError as error:
-        raise InputError(f"cannot write point list {file}: {error.strerror}") from error
+            scratch.write_text(format_points(points), encoding="utf-8")
 
 
 def format_points(points: PointList) -> str:
@@ -180,9 +178,10 @@ def _to_parquet(points: PointList, file: Path) -> None:
     import pyarrow as pa
     import pyarrow.parquet as pq
 
-    values = np.hstack([points.point, points.normal])
-    table = pa.table({c: values[:, i] for i, c in enumerate(COLUMNS)})
-    pq.write_table(table.replace_schema_metadata({f"gearsim.{k}": v for k, v in points.header().items()}), file)
+    units = {name: {"unit": "mm"} if name.endswith("_mm") else None for name in COLUMNS}
+    fields = [pa.field(name, pa.float64(), metadata=units[name]) for name in COLUMNS]
+    schema = pa.schema(fields, {f"gearsim.{k}": v for k, v in points.header().items()})
+    pq.write_table(pa.table(list(np.hstack([points.point, points.normal]).T), schema=schema), file)
 
 
 def _from_parquet(file: Path) -> PointList:

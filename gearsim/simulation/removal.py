@@ -21,6 +21,7 @@ from gearsim.geometry.rays import RayBundle, join_rays
 from gearsim.kernels import removal as kernels
 from gearsim.kernels import ring_removal as ring_kernels
 from gearsim.kernels.interval import IntervalLists
+from gearsim.kernels.loading import load_kernels, start_warp
 from gearsim.motion.segments import SegmentTable, join
 from gearsim.simulation.intervals import IntervalSet, concatenate, from_lists
 from gearsim.simulation.tools import (
@@ -78,18 +79,18 @@ class Job(NamedTuple):
 def prepare(device: str, ring: bool = False) -> float:
     """Compile and load the kernels for a device ahead of use, those for rings if ``ring``; seconds taken.
 
-    Raises InputError where Warp knows no such device.
+    Raises InputError where Warp knows no such device, or what is compiled cannot be kept.
     """
     started = perf_counter()
     open_device(device)
-    wp.load_module(ring_kernels if ring else kernels, device=device)
+    load_kernels(ring_kernels if ring else kernels, device)
     return perf_counter() - started
 
 
 def open_device(device: str) -> None:
-    """Start Warp. Raises InputError where it knows no such device."""
+    """Start Warp. Raises InputError where it knows no such device or has no place for its kernels."""
     with nullcontext() if device.startswith("cuda") else _silent_stderr():
-        wp.init()
+        start_warp()
     try:
         wp.get_device(device)
     except Exception as error:

@@ -25,7 +25,7 @@ from importlib.resources import files
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from gearsim.errors import InputError, read_input
+from gearsim.errors import InputError, read_input, written
 from gearsim.surfaces.cad_file import CAD_SUFFIXES, read_cad
 from gearsim.surfaces.face import Face, face_from_cad
 from gearsim.surfaces.nurbs import NurbsSurface
@@ -139,10 +139,8 @@ _ROW = ",\n    "
 
 def write_surfaces(surfaces: Sequence[NurbsSurface], file: Path, note: str = "") -> None:
     """Write control nets as JSON. Raises InputError where the file cannot be written."""
-    try:
-        file.write_text(format_surfaces(surfaces, note), encoding="utf-8")
-    except OSError as error:
-        raise InputError(f"cannot write control net {file}: {error.strerror}") from error
+    with written(file, "control net") as scratch:
+        scratch.write_text(format_surfaces(surfaces, note), encoding="utf-8")
 
 
 def _surface(entry: Any, where: str) -> NurbsSurface:

@@ -21,7 +21,7 @@ from gearsim.motion.sources import MotionSource
 
 _MARGIN = 1.25
 _SPACING = 4.0
-_NEIGHBOUR = 0.02
+_NEIGHBOURS = (0.02, 0.006, 0.002)  # mm of the tool's travel: far enough to find the place, near enough to be exact
 _CHUNK = 1 << 20
 _LIVE = 1 << 18
 _LEVELS = 60
@@ -109,15 +109,14 @@ def settled_pose(source: MotionSource, cutter: Profile, points: NDArray, least: 
     t = least.t.copy()
     tip, axis = (s.derivatives()[1] for s in source.pose(least.piece, t, 1))
     speed = np.linalg.norm(tip, axis=1) + cutter.reach * np.linalg.norm(axis, axis=1)
-    step = np.minimum(_NEIGHBOUR / np.maximum(speed, 1e-12), 0.5 * np.minimum(t, 1.0 - t))
-    for _ in range(3):
+    for neighbour in _NEIGHBOURS:
+        step = np.minimum(neighbour / np.maximum(speed, 1e-12), 0.5 * np.minimum(t, 1.0 - t))
         f = [distance_at(source, cutter, points, least.piece, t + k * step) for k in (-2.0, -1.0, 0.0, 1.0, 2.0)]
         slope = (8.0 * (f[3] - f[1]) - (f[4] - f[0])) / 12.0
         bend = (16.0 * (f[3] + f[1]) - (f[4] + f[0]) - 30.0 * f[2]) / 12.0
         with np.errstate(invalid="ignore", divide="ignore"):
             shift = -slope / bend
         t += step * np.where((bend > 0.0) & (np.abs(shift) < 1.0), shift, 0.0)
-        step = np.minimum(step, 0.5 * np.minimum(t, 1.0 - t))
     return t
 
 

@@ -44,7 +44,8 @@ class Check:
     """One check of one surface: points checked, failed, left out because their differences do not settle.
 
     ``worst`` is the largest error (mm, rad, relative; for the sign the least distance to the tool at 1 um,
-    positive on the right side), None where nothing was checked; ``place_mm`` where that is.
+    positive on the right side), None where nothing was checked; ``place_mm`` where that is. Of the sign's failures
+    ``inward`` would be right with the normal turned round.
     """
 
     checked: int = 0
@@ -52,6 +53,7 @@ class Check:
     unsettled: int = 0
     worst: float | None = None
     place_mm: tuple[float, ...] | None = None
+    inward: int = 0
 
     @property
     def passed(self) -> bool:
@@ -177,7 +179,8 @@ def sides(form: ClosedForm, point: NDArray, normal: NDArray, least: Least) -> tu
         return Check(unsettled=len(point)), wrong
     worst = int(np.argmin(np.where(kept, margin, np.inf)))
     place = tuple(point[worst].tolist())
-    return Check(int(kept.sum()), int(np.sum(~right)), int(ridge.sum()), float(margin[worst]), place), wrong
+    failed, inward = int(np.sum(~right)), int(np.sum((out > 0.0) & (into < 0.0)))
+    return Check(int(kept.sum()), failed, int(ridge.sum()), float(margin[worst]), place, inward), wrong
 
 
 def _differences(

@@ -8,7 +8,7 @@ from functools import partial
 from pathlib import Path
 from time import perf_counter
 
-from gearsim.errors import InputError
+from gearsim.errors import InputError, written
 from gearsim.output.summary import write_json
 from gearsim.programs.point_list import read_points, write_points
 from gearsim.scene import load_scene, scene_names
@@ -42,10 +42,8 @@ def verify(options: argparse.Namespace) -> int:
         reports = verify_all(subjects, options.points, options.seed, limits)
     print_report(reports)
     if options.out:
-        try:
-            write_json(summary(reports, limits, options.seed), options.out)
-        except OSError as error:
-            raise InputError(f"cannot write {options.out}: {error.strerror}") from error
+        with written(options.out) as scratch:
+            write_json(summary(reports, limits, options.seed), scratch)
     if options.plot:
         from gearsim.verify.plot import plot_maps
 
@@ -91,14 +89,17 @@ def verify_list(subjects: Subjects, file: Path, limits: Limits) -> list[SubjectR
 
 def write_lists(subjects: Subjects, file: Path) -> list[Path]:
     """The one subject's surfaces as point lists; every file's name is ``file``'s with the surface's put in."""
-    written = []
-    for form in _only(subjects, "--write-points")[1]:
+    name, forms = _only(subjects, "--write-points")
+    files = []
+    for form in forms:
         points = machined_points(form, *GRID)
         if len(points.point):
             target = file.with_name(f"{file.stem}-{file_name(form.name)}{file.suffix}")
             write_points(points, target)
-            written.append(target)
-    return written
+            files.append(target)
+    if not files:
+        raise InputError(f"--write-points {file}: no surface of {name} has a point that its motion leaves")
+    return files
 
 
 def _only(subjects: Subjects, option: str) -> tuple[str, list[ClosedForm]]:

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
-from gearsim.errors import InputError
+from gearsim.errors import InputError, written
 from gearsim.output.panels import pyplot
 from gearsim.verify.checks import FormReport, Limits
 from gearsim.verify.closed_form import file_name
@@ -42,10 +42,8 @@ def plot_maps(subjects: Sequence[SubjectReport], limits: Limits, file: Path) -> 
     told = []
     for form in forms:
         target = file if len(forms) == 1 else file.with_name(f"{file.stem}-{file_name(form.name)}{file.suffix}")
-        try:
-            draw_map(form, limits, target)
-        except OSError as error:
-            raise InputError(f"cannot write {target}: {error.strerror}") from error
+        with written(target) as scratch:
+            draw_map(form, limits, scratch)
         told += [f"wrote {target}", *worst_lines(form)]
     return told
 

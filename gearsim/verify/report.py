@@ -82,6 +82,7 @@ def _check(name: str, check: Check) -> dict[str, Any]:
         "unsettled": check.unsettled,
         f"worst_{UNITS[name]}": None if check.worst is None or not isfinite(check.worst) else check.worst,
         "place_mm": check.place_mm,
+        **({"inward": check.inward} if name == "sign" else {}),
     }
 
 
@@ -133,6 +134,15 @@ def _cell(name: str, check: Check | None) -> str:
     return text if check.passed else f"[bold red]{text}[/]"
 
 
+def _inward(c: Check) -> str:
+    """How many normals need only be turned round."""
+    number = "all" if c.inward == c.checked else f"{c.inward} of {c.checked}"
+    return (
+        f"{number} normals point into the material; turned round they are right: out of the gear, into the tool (which "
+        "way a point list's normals point is said by its '# sign:')"
+    )
+
+
 def _findings(subject: SubjectReport) -> list[str]:
     """What failed, and where to look."""
     lines = []
@@ -141,6 +151,7 @@ def _findings(subject: SubjectReport) -> list[str]:
             if c.failed and c.place_mm:
                 place = ", ".join(f"{x:.6f}" for x in c.place_mm)
                 lines.append(f"FAILS {form.name}: {name}: {c.failed} of {c.checked} points, worst at ({place}) mm")
+                lines += [f"{form.name}: {_inward(c)}"] if c.inward else []
             elif not c.passed:
                 lines.append(
                     f"FAILS {form.name}: {name}: differences of its points settle at only {c.checked} of "

@@ -1,5 +1,7 @@
+import errno
 import json
 import os
+import resource
 import signal
 import subprocess
 import sys
@@ -10,7 +12,11 @@ import pytest
 
 from gearsim.errors import InputError
 from gearsim.metrology.grid import DENSE
-from gearsim.output.files import staged
+from gearsim.output.drawer import _save
+from gearsim.output.files import into, staged
+from gearsim.output.painting import Painters
+from gearsim.output.wanted import Wanted
+from gearsim.output.write import write_result
 from gearsim.surfaces.patch import SIDES
 
 PICTURES = {
@@ -70,19 +76,24 @@ def test_exr_has_a_part_per_flank_with_named_channels_and_headers(folder, result
     import OpenEXR
 
     with OpenEXR.File(str(folder / "deviation.exr"), separate_channels=True) as file:
-        assert [p.name() for p in file.parts] == ["convex", "concave", "concave fillet", "bottom", "convex fillet"]
-        for part in file.parts:
+        assert [p.name() for p in file.parts[1:]] == ["convex", "concave", "concave fillet", "bottom", "convex fillet"]
+        for part in file.parts[1:]:
             channels, header = part.channels, part.header
             m = result.measurements[part.name(), "program", DENSE]
             by_two_roads = {f"{name}.{what}.um" for name in ("theory", "own_pass") for what in ("deviation", "gap")}
             assert set(channels) == {
                 "deviation.um", "P.X", "P.Y", "P.Z", "N.X", "N.Y", "N.Z", "segment.id", "valid",
+                "share.length", "share.height", "parameter.u", "parameter.v",
                 *(by_two_roads if part.name() in SIDES else ()),
             }  # fmt: skip
             assert all(c.pixels.dtype == np.float32 for c in channels.values())
             assert np.allclose(channels["deviation.um"].pixels, 1e3 * m.deviation.value, rtol=1e-6)
             assert np.allclose(channels["P.Y"].pixels, m.grid.point[..., 1], rtol=1e-6)
             stated_in_full({k: v for k, v in header.items() if k.startswith("gearsim.")}, result)
+            assert (header["gearsim.rows"], header["gearsim.columns"]) == tuple(map(str, m.grid.shape))
+            assert "share.height 0.01 to 0.99" in header["gearsim.parameters"]
+            assert json.loads(header["gearsim.settings"])["cutter"]["kind"] == "conical"
+            assert set(json.loads(header["gearsim.channels"])) == set(channels)
 
 
 def stated_in_full(notes, result):
@@ -186,3 +197,58 @@ def test_killing_a_run_half_way_leaves_no_file_that_looks_finished(tmp_path):
     os.kill(process.pid, signal.SIGKILL)
     process.wait()
     assert [f.name for f in out.iterdir() if not f.name.startswith(".unfinished-")] == []
+    assert list(out.iterdir())
+    with staged(out):
+        assert len(list(out.iterdir())) == 1  # a later run's own
+    assert list(out.iterdir()) == []
+
+
+@pytest.mark.parametrize("size", [3_000, 60_000])
+def test_a_disk_that_takes_no_more_leaves_nothing(result, tmp_path, size):
+    out = tmp_path / "out"
+    soft, hard = resource.getrlimit(resource.RLIMIT_FSIZE)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (size, hard))
+    try:
+        with pytest.raises(InputError, match=r"cannot write into output folder .*out: .*File too large"), \
+                staged(out) as stage, into(out):  # fmt: skip
+            write_result(result, stage, Painters(Wanted(pictures=False)))
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, (soft, hard))
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_drawing_process_that_the_disk_refuses_ends_the_run(tmp_path):
+    painters = Painters(Wanted(pictures=False))
+    pipe, ending = subprocess.PIPE, f"import sys; sys.exit(100 + {errno.ENOSPC})"
+    process = subprocess.Popen([sys.executable, "-c", ending], stdin=pipe, stderr=pipe, text=True)
+    painters._processes, painters._folder = {"flat": process}, tmp_path
+    with pytest.raises(OSError, match="No space left on device"):
+        painters.finish()
+
+
+def test_a_mesh_that_finds_no_room_ends_no_process(tmp_path):
+    import pyvista as pv
+
+    soft, hard = resource.getrlimit(resource.RLIMIT_FSIZE)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (1000, hard))
+    try:
+        with pytest.raises(OSError, match="File too large"):
+            _save(pv.Sphere(), tmp_path / "tooth.vtp")
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, (soft, hard))
+
+
+def test_scratch_folders_of_killed_runs_are_cleared_and_those_of_living_ones_kept(tmp_path):
+    killed = tmp_path / ".unfinished-killed"
+    killed.mkdir()
+    (killed / "report.md").write_text("half")
+    (tmp_path / ".unfinished-file").write_text("a user's own")
+    with staged(tmp_path) as living:
+        assert not killed.exists()
+        (living / "report.md").write_text("first")
+        with staged(tmp_path) as other:
+            (other / "report.md").write_text("second")
+            assert living.exists()
+        assert (living / "report.md").read_text() == "first"
+    assert (tmp_path / "report.md").read_text() == "first"
+    assert sorted(f.name for f in tmp_path.iterdir()) == [".unfinished-file", "report.md"]

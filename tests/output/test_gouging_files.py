@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from gearsim.output.columns import Column
 from gearsim.output.drawer import patch_meshes
 from gearsim.output.exr import header, write_exr
 from gearsim.output.presenters import collected
@@ -73,7 +74,22 @@ def test_a_report_of_numbers_alone_speaks_of_no_deviation(tmp_path):
 def test_parts_of_different_sizes_share_one_exr(tmp_path):
     import OpenEXR
 
-    parts = {"small": {"a": np.ones((2, 3))}, "tall": {"a": np.full((7, 2), 2.0)}}
+    parts = {"small": {"a": Column(np.ones((2, 3)), "one")}, "tall": {"a": Column(np.full((7, 2), 2.0), "two")}}
     write_exr(parts, header("faces", "part"), tmp_path / "a.exr")
     with OpenEXR.File(str(tmp_path / "a.exr"), separate_channels=True) as file:
-        assert {p.name(): p.channels["a"].pixels.shape for p in file.parts} == {"small": (2, 3), "tall": (7, 2)}
+        assert {p.name(): p.channels["a"].pixels.shape for p in file.parts[1:]} == {"small": (2, 3), "tall": (7, 2)}
+        assert file.parts[0].channels["R"].pixels.shape == (2 + 1 + 7, 3)
+
+
+def test_a_surface_may_bear_the_name_of_the_preview(tmp_path):
+    import OpenEXR
+
+    values = np.ma.masked_less([[-1, 0, 5]], 0)
+    write_exr({"preview": {"shank.mm": Column(values, "radius")}}, header("faces", "part"), tmp_path / "a.exr")
+    with OpenEXR.File(str(tmp_path / "a.exr"), separate_channels=True) as file:
+        assert [p.name() for p in file.parts] == ["preview_", "preview"]
+        np.testing.assert_array_equal(file.parts[1].channels["shank.mm"].pixels, [[np.nan, 0.0, 5.0]])
+        red, green, blue = (file.parts[0].channels[c].pixels[0] for c in "RGB")
+    assert red[0] == green[0] == blue[0]
+    assert abs(red[1] - blue[1]) < 1e-3
+    assert red[2] > 2 * blue[2]

@@ -124,8 +124,15 @@ def test_files_hold_every_surface_and_the_tables_that_were_simulated(folder):
     names = {f.name for f in folder.iterdir()}
     assert {"report.html", "report.md", "deviation.png", "axes.png", "samples.parquet", "tooth.vtp"} <= names
     with OpenEXR.File(str(folder / "deviation.exr"), separate_channels=True) as exr:
-        assert [p.name() for p in exr.parts] == ["concave", "concave fillet", "bottom", "convex fillet", "convex"]
-        channels = exr.parts[0].channels
+        assert [p.name() for p in exr.parts] == [
+            "preview",
+            "concave",
+            "concave fillet",
+            "bottom",
+            "convex fillet",
+            "convex",
+        ]
+        channels = exr.parts[1].channels
         assert {"deviation.um", "P.X", "N.Z", "valid", "roll.deviation.um", "star.gap.um"} <= set(channels)
         assert channels["deviation.um"].pixels.shape == (3, 5)
     table = pq.read_table(folder / "samples.parquet")

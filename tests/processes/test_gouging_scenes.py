@@ -147,7 +147,7 @@ def test_the_files_of_a_run(gouged, tmp_path):
     assert report["measurements"]["part"]["printed"]["worked_examples"]["differ"] == 1
     import OpenEXR
 
-    channels = OpenEXR.File(str(tmp_path / "deviation.exr"), separate_channels=True).parts[0].channels
+    channels = OpenEXR.File(str(tmp_path / "deviation.exr"), separate_channels=True).parts[1].channels
     um = channels["deviation.um"].pixels
     np.testing.assert_allclose(um, 1e3 * cut_with(gouged).deviation.value, rtol=1e-6)
 

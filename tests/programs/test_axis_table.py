@@ -1,6 +1,8 @@
+import csv
 from contextlib import suppress
 
 import numpy as np
+import pyarrow.csv
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
@@ -10,19 +12,33 @@ from gearsim.machines.catalogue import MACHINES, head_head_cb
 from gearsim.programs.axis_table import AxisTable, format_axis_table, parse_axis_table
 
 HEAD = head_head_cb()
-HEADER = "machine,head-head-cb\nblock,X_mm,Y_mm,Z_mm,B_deg,C_deg\n"
+HEADER = "block,X_mm,Y_mm,Z_mm,B_deg,C_deg,machine\n"
+NAME = "head-head-cb"
 
 
 def test_the_text_names_machine_axes_and_units():
     table = AxisTable(HEAD, np.array([[1.0, -2.5, 3.0, np.pi / 2, -1e-9]]), np.array([10]))
-    assert format_axis_table(table, 3) == HEADER + "10,1.000,-2.500,3.000,90.000,0.000\n"
+    assert format_axis_table(table, 3) == HEADER + "10,1.000,-2.500,3.000,90.000,0.000,head-head-cb\n"
 
 
 def test_comments_and_empty_lines_are_skipped_and_angles_become_radians():
-    text = "# made by hand\n" + HEADER + "\n1, 0, 0, 0, 180, -90\n# end\n5,1,2,3,0,0\n"
+    text = "# made by hand\n" + HEADER + f"\n1, 0, 0, 0, 180, -90, {NAME}\n# end\n5,1,2,3,0,0,{NAME}\n"
     table = parse_axis_table(text, HEAD)
     assert np.allclose(table.values, [[0, 0, 0, np.pi, -np.pi / 2], [1, 2, 3, 0, 0]])
     assert table.blocks.tolist() == [1, 5]
+
+
+def test_plain_readers_take_it_as_it_is(tmp_path):
+    values = np.array([[1.0, -2.5, 3.0, np.pi / 2, 0.0], [1.5, -2.5, 3.0, np.pi / 4, 0.0]])
+    (tmp_path / "axes.csv").write_text(format_axis_table(AxisTable(HEAD, values, np.array([10, 20])), 3))
+    with (tmp_path / "axes.csv").open(newline="") as file:
+        rows = list(csv.DictReader(file))
+    assert [float(row["X_mm"]) for row in rows] == [1.0, 1.5]
+    table = pyarrow.csv.read_csv(tmp_path / "axes.csv")
+    assert table["B_deg"].to_pylist() == [90.0, 45.0]
+    assert [str(t) for t in table.schema.types] == ["int64", *["double"] * 5, "string"]
+    read = pytest.importorskip("pandas").read_csv(tmp_path / "axes.csv")
+    assert (read["block"].tolist(), read["B_deg"].tolist()) == ([10, 20], [90.0, 45.0])
 
 
 @given(st.sampled_from(sorted(MACHINES)), st.integers(0, 9), st.integers(0, 10_000))
@@ -42,18 +58,18 @@ def test_what_is_printed_comes_back_digit_by_digit(name, decimals, seed):
 @pytest.mark.parametrize(
     ("text", "message"),
     [
-        ("", "axes.csv: expected a line machine,head-head-cb, a line block,X_mm"),
+        ("", "axes.csv: expected a line block,X_mm,Y_mm,Z_mm,B_deg,C_deg,machine and at least one block"),
         (HEADER, "at least one block"),
-        ("machine,star\n" + HEADER, "axes.csv, line 1: expected machine,head-head-cb, got machine,star"),
-        (HEADER.replace("B_deg", "B_rad") + "1,0,0,0,0,0", "line 2, column 5: expected B_deg, got 'B_rad'"),
-        (HEADER.replace(",C_deg", "") + "1,0,0,0,0,0", "line 2: column C_deg is missing"),
-        (HEADER.replace("C_deg", "C_deg,A_deg") + "1,0,0,0,0,0", "line 2: unknown column 'A_deg' behind C_deg"),
-        (HEADER + "1,0,0,0,0", "axes.csv, line 3: 5 cells; expected 6"),
-        (HEADER + "1,0,0,0,0,0\n\n2,0,x,0,0,0", "axes.csv, line 5, column Y_mm: 'x' is not a number"),
-        (HEADER + "1,0,0,0,inf,0", "line 3, column B_deg: inf is not a finite number"),
-        (HEADER + "1.5,0,0,0,0,0", "line 3, column block: '1.5' is not a block number"),
-        (HEADER + "²,0,0,0,0,0", "line 3, column block: '²' is not a block number"),
-        (HEADER + "7,0,0,0,0,0\n7,0,0,0,0,0", "line 4, column block: block 7 does not rise above 7"),
+        (HEADER + "1,0,0,0,0,0,star", "axes.csv, line 2, column machine: expected head-head-cb, got 'star'"),
+        (HEADER.replace("B_deg", "B_rad") + f"1,0,0,0,0,0,{NAME}", "line 1, column 5: expected B_deg, got 'B_rad'"),
+        (HEADER.replace(",machine", "") + "1,0,0,0,0,0", "line 1: column machine is missing"),
+        (HEADER.replace("machine", "machine,A_deg") + "1,0,0,0,0,0", "line 1: unknown column 'A_deg' behind machine"),
+        (HEADER + f"1,0,0,0,0,{NAME}", "axes.csv, line 2: 6 cells; expected 7"),
+        (HEADER + f"1,0,0,0,0,0,{NAME}\n\n2,0,x,0,0,0,{NAME}", "axes.csv, line 4, column Y_mm: 'x' is not a number"),
+        (HEADER + f"1,0,0,0,inf,0,{NAME}", "line 2, column B_deg: inf is not a finite number"),
+        (HEADER + f"1.5,0,0,0,0,0,{NAME}", "line 2, column block: '1.5' is not a block number"),
+        (HEADER + f"²,0,0,0,0,0,{NAME}", "line 2, column block: '²' is not a block number"),
+        (HEADER + f"7,0,0,0,0,0,{NAME}\n7,0,0,0,0,0,{NAME}", "line 3, column block: block 7 does not rise above 7"),
     ],
 )
 def test_mistakes_are_named_with_line_and_column(text, message):

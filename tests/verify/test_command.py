@@ -62,12 +62,18 @@ def test_a_wrong_surface_ends_with_1_and_says_where(tmp_path, capsys):
     assert run("--surface", file, "--points", 20, "--out", tmp_path / "v.json") == 1
     out = capsys.readouterr().out
     assert "FAILS helical groove: sign: 20 of 20 points, worst at (" in out
-    assert json.loads((tmp_path / "v.json").read_text())["verdict"] == "fail"
+    assert "helical groove: all normals point into the material; turned round they are right" in out
+    report = json.loads((tmp_path / "v.json").read_text())
+    assert report["verdict"] == "fail"
+    assert report["subjects"][0]["forms"][0]["checks"]["sign"]["inward"] == 20
 
 
-def test_a_surface_with_no_point_at_all_fails(tmp_path, capsys):
-    assert run("--surface", written(tmp_path, "point=centre", "point=np.nan * centre"), "--points", 20) == 1
+def test_a_surface_with_no_point_at_all_fails_and_is_not_written(tmp_path, capsys):
+    file = written(tmp_path, "point=centre", "point=np.nan * centre")
+    assert run("--surface", file, "--points", 20) == 1
     assert "no point to check" in capsys.readouterr().out
+    assert run("--surface", file, "--write-points", tmp_path / "p.csv") == 2
+    assert "has a point that its motion leaves" in capsys.readouterr().err
 
 
 @pytest.mark.parametrize("suffix", [".csv", ".parquet"])
@@ -83,6 +89,28 @@ def test_points_written_are_read_and_verified(tmp_path, capsys, suffix):
     assert read_points(files[0]).shape == (9, 33)
     for file in (files[0], files[-1]):
         assert run(SCENE, "--points-file", file) == 0
+
+
+def test_points_written_where_the_flank_bends_almost_as_the_tool_are_verified_too(tmp_path):
+    assert run("spur-internal", "--write-points", tmp_path / "p.csv") == 0
+    for file in tmp_path.iterdir():
+        assert run("spur-internal", "--points-file", file) == 0
+
+
+def test_a_list_is_told_which_of_its_normals_point_into_the_material(listed, capsys):
+    file = listed(lambda rows: rows * np.where(np.arange(len(rows))[:, None] < 3, [1, 1, 1, -1, -1, -1], 1))
+    assert run("--surface", EXAMPLE, "--points-file", file) == 1
+    assert "3 of 297 normals point into the material" in capsys.readouterr().out
+    file.write_text(file.read_text().replace("sign: out of", "sign: into"))
+    assert run("--surface", EXAMPLE, "--points-file", file) == 1
+    assert "294 of 297 normals point into the material" in capsys.readouterr().out
+
+
+def test_a_normal_across_the_surface_is_not_said_to_be_the_wrong_way_round(tmp_path, capsys):
+    assert run("--surface", written(tmp_path, "normal=-spoke", "normal=np.roll(spoke, 1, axis=1)"), "--points", 20) == 1
+    out = capsys.readouterr().out
+    assert "FAILS helical groove: normal" in out
+    assert "all normals point into" not in out
 
 
 @pytest.fixture

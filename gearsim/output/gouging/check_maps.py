@@ -12,6 +12,7 @@ from gearsim.gouging.check import GougeCheck
 from gearsim.gouging.choice import SizeChoice
 from gearsim.gouging.fitting import size_map
 from gearsim.gouging.looked import FaceLook
+from gearsim.output.columns import DECISIONS, YES_NO, Column, key_of_numbers, known
 from gearsim.output.gouging.curvature import GOUGE
 from gearsim.output.gouging.mill_map import draw_sizes
 from gearsim.output.gouging.mills import size_channels
@@ -49,18 +50,30 @@ def face_sizes(check: GougeCheck, f: FaceLook) -> SizeChoice:
                       check.place)  # fmt: skip
 
 
-def face_channels(check: GougeCheck, f: FaceLook) -> dict[str, NDArray]:
-    """What gouging.exr holds of a face."""
-    seen, known = f.samples.comparison, f.samples.touches
-    values = {
-        "least_difference.per_mm": np.where(known, seen.least, np.nan),
-        "decision": f.samples.decision,
-        "on_face": f.held.ravel().astype(float),
-        "worst_direction.deg": np.where(known, np.degrees(seen.worst), np.nan),
-        "gouging_half_width.deg": np.where(known, np.degrees(seen.half_width), np.nan),
-        "contact_angle.deg": np.degrees(f.samples.contacts.theta),
-    }
-    return {**size_channels(face_sizes(check, f)), **{k: v.reshape(f.grid.shape) for k, v in values.items()}}
+def face_channels(check: GougeCheck, f: FaceLook) -> dict[str, Column]:
+    """What gouging.exr holds of a face; the least difference of curvature first."""
+    seen, touches, contacts = f.samples.comparison, f.samples.touches, f.samples.contacts
+
+    def on_grid(values: NDArray, where: NDArray | bool = True) -> NDArray:
+        return np.where(where, values, np.nan).reshape(f.grid.shape)
+
+    angle = "from uphill, counter-clockwise"
+    return {
+        "least_difference.per_mm": Column(
+            on_grid(seen.least, touches), "tool's curvature minus the part's, least over all directions"
+        ),
+        "decision.id": Column(
+            known(f.samples.decision.reshape(f.grid.shape)), "whether it gouges; nothing: out of reach",
+            key_of_numbers(DECISIONS),
+        ),
+        "on_face": Column(f.held, "whether the point lies on the trimmed face", YES_NO),
+        "worst_direction.deg": Column(on_grid(np.degrees(seen.worst), touches), f"direction of the least, {angle}"),
+        "gouging_half_width.deg": Column(
+            on_grid(np.degrees(seen.half_width), touches), "half the width of the directions that gouge"
+        ),
+        "contact_angle.deg": Column(on_grid(np.degrees(contacts.theta)), "angle of the contact on the tool's profile"),
+        **size_channels(face_sizes(check, f)),
+    }  # fmt: skip
 
 
 def _least(f: FaceLook) -> NDArray:

@@ -16,6 +16,7 @@ from gearsim.gouging.attribution import Cause
 from gearsim.gouging.choice import ContactMeasurement
 from gearsim.gouging.compare import Decision
 from gearsim.gouging.inspection import GougingMeasurement, ToolCut
+from gearsim.output.columns import CAUSES, Column, key_of_numbers, key_of_words, known, words
 from gearsim.output.gouging.charts import draw_cuts
 from gearsim.output.gouging.words import tool_words
 from gearsim.output.layers import outline, patch_arrays
@@ -25,8 +26,6 @@ from gearsim.output.saving import Chart
 from gearsim.output.summary import number, worst_at
 from gearsim.result import Result
 from gearsim.surfaces.nurbs import NurbsSurface
-
-_CAUSES = np.array([c.name.lower() for c in Cause])
 
 
 def figures(m: GougingMeasurement) -> dict[str, Any]:
@@ -127,37 +126,48 @@ def charts(result: Result, found: Sequence[GougingMeasurement]) -> list[Chart]:
     return [Chart("gouging.png", caption, partial(draw_cuts, result.name, cuts, labels, limit))]
 
 
-def maps(result: Result, found: Sequence[GougingMeasurement]) -> dict[str, dict[str, dict[str, NDArray]]]:
+def maps(result: Result, found: Sequence[GougingMeasurement]) -> dict[str, dict[str, dict[str, Column]]]:
     """What made the overcut and what was predicted, beside the deviations; the main tool's without its name."""
-    channels: dict[str, dict[str, NDArray]] = {}
+    channels: dict[str, dict[str, Column]] = {}
     for m in found:
         mark = "" if m.variant == result.job.main else f"{slug(m.variant)}."
+        cause = Column(m.cut.made.cause, f"what made the overcut under {m.variant}", key_of_numbers(CAUSES))
         channels.setdefault(m.surface, {}).update({
-            f"{mark}cause.id": m.cut.made.cause,
-            f"{mark}contact.id": m.cut.made.contact,
-            f"{mark}least_difference.per_mm": _least(m.cut),
+            f"{mark}cause.id": cause,
+            f"{mark}contact.id": _contact(m),
+            f"{mark}least_difference.per_mm": _least(m),
         })  # fmt: skip
     return {"deviation.exr": channels}
 
 
-def columns(_: Result, found: Sequence[GougingMeasurement]) -> dict[str, dict[str, NDArray[Any]]]:
+def columns(_: Result, found: Sequence[GougingMeasurement]) -> dict[str, dict[str, Column]]:
     """Columns beside those of the dense grid, by surface."""
-    out: dict[str, dict[str, NDArray[Any]]] = {}
+    out: dict[str, dict[str, Column]] = {}
     for m in found:
-        name, cut = slug(m.variant), m.cut
+        name, cut, under = slug(m.variant), m.cut, f"under {m.variant}"
+        theta = np.degrees(cut.samples.contacts.theta)
         out.setdefault(m.surface, {}).update({
-            f"{name}_cause": _CAUSES[cut.made.cause.ravel()],
-            f"{name}_contact": cut.made.contact,
-            f"{name}_contact_apart_mm": cut.made.apart,
-            f"{name}_theta_deg": np.degrees(cut.samples.contacts.theta),
-            f"{name}_least_difference_per_mm": _least(cut),
-            f"{name}_predicted_gouge": cut.samples.gouges,
+            f"{name}_cause": Column(
+                words(CAUSES, cut.made.cause), f"what made the overcut {under}", key_of_words(CAUSES)
+            ),
+            f"{name}_contact": _contact(m),
+            f"{name}_contact_apart_mm": Column(cut.made.apart, f"way from that contact to the sample {under}"),
+            f"{name}_theta_deg": Column(theta, f"angle of the contact on the tool's profile {under}"),
+            f"{name}_least_difference_per_mm": _least(m),
+            f"{name}_predicted_gouge": Column(cut.samples.gouges, f"whether the curvatures predict a gouge {under}"),
         })  # fmt: skip
     return out
 
 
-def _least(cut: ToolCut) -> NDArray:
-    return np.where(cut.samples.touches, cut.samples.comparison.least, np.nan).reshape(cut.grid.shape)
+def _contact(m: GougingMeasurement) -> Column:
+    return Column(known(m.cut.made.contact), f"contact of the path, from 0, that made the overcut under {m.variant}")
+
+
+def _least(m: GougingMeasurement) -> Column:
+    """The least difference of curvature; nothing where the tool does not touch."""
+    samples = m.cut.samples
+    least = np.where(samples.touches, samples.comparison.least, np.nan).reshape(m.cut.grid.shape)
+    return Column(least, f"tool's curvature minus the part's, least over all directions, under {m.variant}")
 
 
 def layers(result: Result, found: Sequence[GougingMeasurement]) -> dict[str, NDArray]:

@@ -7,12 +7,13 @@ from functools import partial
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 from rich.console import Console
 
 from gearsim.gouging.choice import MillMeasurement, SizeChoice
+from gearsim.output.columns import Column
 from gearsim.output.gouging.mill_map import draw_sizes
 from gearsim.output.gouging.words import size_notes, whole_figures, whole_section
+from gearsim.output.grid_columns import place_channels
 from gearsim.output.saving import Chart
 from gearsim.output.summary import number
 from gearsim.result import Result
@@ -54,7 +55,7 @@ def charts(result: Result, found: Sequence[MillMeasurement]) -> list[Chart]:
     return [Chart("tool_size.png", "The largest mill of the catalogue that does not gouge, point by point", draw)]
 
 
-def maps(_: Result, found: Sequence[MillMeasurement]) -> dict[str, dict[str, dict[str, NDArray]]]:
+def maps(_: Result, found: Sequence[MillMeasurement]) -> dict[str, dict[str, dict[str, Column]]]:
     return {"tool_size.exr": {m.surface: size_channels(m.sizes) for m in found}}
 
 
@@ -63,12 +64,13 @@ def screen(_: Result, found: Sequence[MillMeasurement], console: Console) -> Non
         console.print(note)
 
 
-def size_channels(sizes: SizeChoice) -> dict[str, NDArray]:
+def size_channels(sizes: SizeChoice) -> dict[str, Column]:
     """The largest mill at every point."""
-    channels: dict[str, NDArray] = {"shank.mm": sizes.shank, "corner.mm": sizes.corner}
-    for name, vectors in (("P", sizes.grid.point), ("N", sizes.grid.normal)):
-        channels |= {f"{name}.{axis}": vectors[..., k] for k, axis in enumerate("XYZ")}
-    return channels
+    return {
+        "shank.mm": Column(sizes.shank, "R, radius of the largest mill that does not gouge here"),
+        "corner.mm": Column(sizes.corner, "r, corner radius of that mill"),
+        **place_channels(sizes.grid),
+    }
 
 
 def _mm(x: float | None) -> str:

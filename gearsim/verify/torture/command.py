@@ -7,7 +7,7 @@ from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from time import perf_counter
 
-from gearsim.errors import InputError
+from gearsim.errors import InputError, written
 from gearsim.output.screen import ScreenProgress
 from gearsim.output.summary import write_json
 from gearsim.verify.torture import motions, rays, tools
@@ -32,10 +32,8 @@ def run_torture(options: argparse.Namespace) -> int:
         figures, seconds = torture(size, seed, progress.advance)
     print_report(figures, seconds)
     if options.out:
-        try:
-            write_json(summary(figures, size, seed, seconds), options.out)
-        except OSError as error:
-            raise InputError(f"cannot write {options.out}: {error.strerror}") from error
+        with written(options.out) as scratch:
+            write_json(summary(figures, size, seed, seconds), scratch)
     return figures.exit_code
 
 
