@@ -12,6 +12,8 @@ from pathlib import Path
 from gearsim.errors import InputError
 
 LAST = "report.json"
+SAMPLES = "samples.parquet"
+MESHES = "tooth.vtp"
 
 
 @contextmanager

@@ -29,6 +29,10 @@ from gearsim.surfaces.nurbs import NurbsSurface
 _CAUSES = np.array([c.name.lower() for c in Cause])
 
 
+def files(*_: Any) -> list[str]:
+    return ["gouging.png", "surface.png"]
+
+
 def figures(m: GougingMeasurement) -> dict[str, Any]:
     return _tool(m.cut)
 
