@@ -12,6 +12,7 @@ from gearsim.output.colours import DARK, diverging, rgb
 _SIZE = (1300, 780)
 _SAMPLES = 4  # a pixel: edges look smooth, and a processor has less to draw than for the usual 8
 _PNG_LEVEL = 4  # of zlib's 9
+_BEFORE = 400.0  # steps of depth: lines on a surface are drawn before it, from either side
 _SHARP = 30.0  # deg between neighbours that meet in an edge
 
 
@@ -75,7 +76,10 @@ def add_mesh(
     style.SetColor(*rgb(colour))
     style.SetOpacity(opacity)
     style.SetLineWidth(width)
-    actor.GetMapper().ScalarVisibilityOff()
+    mapper = actor.GetMapper()
+    mapper.ScalarVisibilityOff()
+    mapper.SetResolveCoincidentTopologyToPolygonOffset()
+    mapper.SetRelativeCoincidentTopologyLineOffsetParameters(-2.0, -_BEFORE)
     view.AddActor(actor)
 
 

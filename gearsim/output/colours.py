@@ -10,6 +10,9 @@ OVERCUT = "#2166ac"
 DIVERGING = "RdBu_r"  # overcut in the one colour, excess in the other
 BAND = "#dfe8d8"  # within tolerance
 LINE = "0.35"
+OUT = "#b5179e"  # a number beyond its tolerance
+GOUGE = "#7b3fa0"  # where, and in which directions, a tool gouges; overcut has its own colour
+FIRST, SECOND = "#b5752a", "#3f7f6b"  # of two flanks
 DARK = "#000000"  # where there is no value
 
 _ANCHORS = (

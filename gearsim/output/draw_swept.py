@@ -14,7 +14,6 @@ from gearsim.output.meshes import points_of, quads, segments
 from gearsim.output.view import STEEL, add_legend, aim
 
 _NAMED = {**COLOURS, "left": COLOURS["convex"], "right": COLOURS["concave"]}
-_NEAR = 1.2
 _TINTS = ("#8cb369", "#f4a259", "#7b6d8d", "#5b8e7d", "#c9ada7")
 
 
@@ -33,15 +32,9 @@ def draw_swept(data: dict[str, NDArray], surfaces: dict[str, Any], canvas: Canva
         shown = np.concatenate([points_of(shape) for shape in surfaces.values()])
         for tool in more:
             add_mesh(view, tool, STEEL, opacity=0.35)
-            shown = np.concatenate([shown, _near(points_of(tool), shown)])
+            shown = np.concatenate([shown, points_of(tool)])
         foot = add_legend(view, {**colours, "grazing curves": DARK, **({"the tool": STEEL} if more else {})})
         aim(view, shown, *_ways(data), text, foot)
-
-
-def _near(points: NDArray, shown: NDArray) -> NDArray:
-    """Points of a tool that are near what it makes: a large cutter is not shown whole."""
-    middle, size = np.mean(shown, axis=0), float(np.linalg.norm(np.ptp(shown, axis=0)))
-    return points[np.linalg.norm(points - middle, axis=1) < _NEAR * size]
 
 
 def _curves(points: NDArray) -> Any:

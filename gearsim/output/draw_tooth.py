@@ -16,7 +16,7 @@ from gearsim.output.view import DEVIATION, STEEL, add_colours, add_name, aim
 _NEIGHBOURS = 1
 _COARSER = 6
 _NEAR_END = 0.1  # of the face
-_RIM = 0.4  # of the slot's depth: what is shown below it
+_RIM = 0.3  # of the slot's depth: what is shown below it
 _LIGHT: dict[str, Any] = {"ambient": 0.35, "diffuse": 0.65}
 _PLAIN: dict[str, Any] = {"ambient": 0.55, "diffuse": 0.5}  # colours are to be those of the scale
 _ENDS = "#9aa1ab"

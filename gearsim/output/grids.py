@@ -12,9 +12,6 @@ from numpy.typing import NDArray
 from rich.console import Console
 from rich.table import Table
 
-from gearsim.envelope import envelope_points
-from gearsim.envelope.crossings import Kind
-from gearsim.metrology.deviation import Crossing
 from gearsim.metrology.grid import COARSE, DENSE, GridInspection, GridMeasurement
 from gearsim.metrology.job import Job
 from gearsim.metrology.root import RootInspection
@@ -23,6 +20,7 @@ from gearsim.output.charts import draw_grids
 from gearsim.output.draw_tooth import tooth_arrays
 from gearsim.output.files import MESHES, SAMPLES
 from gearsim.output.flank_sheet import Sheet, draw_sheet
+from gearsim.output.grid_samples import sample_columns
 from gearsim.output.heat import is_perfect
 from gearsim.output.layers import patch_arrays, view_arrays
 from gearsim.output.markdown import table, um
@@ -31,8 +29,6 @@ from gearsim.output.saving import Chart
 from gearsim.output.summary import gap_figures, number, numbers, worst_at
 from gearsim.result import Result
 
-_CROSSINGS = np.array([c.name.lower() for c in Crossing])
-_CLASSES = np.array(["none", *(k.name.lower() for k in Kind)])
 _FROM_TIP_TO_TIP = ("concave", "concave fillet", "bottom", "convex fillet", "convex")
 _ROTATIONS = ("mid_rotation_um", "best_rotation_um")
 
@@ -257,58 +253,7 @@ def maps(result: Result, found: Sequence[GridMeasurement]) -> dict[str, dict[str
 
 def rows(result: Result, found: Sequence[GridMeasurement]) -> list[dict[str, NDArray[Any]]]:
     """Every dense sample of every surface under all its variants, one row each."""
-    return [_rows(_of(found, m.surface)) for m in _main(result, found)]
-
-
-def _rows(variants: list[GridMeasurement]) -> dict[str, NDArray[Any]]:
-    any_one = variants[0]
-    grid = any_one.grid
-    row, column = np.indices(grid.shape)
-    curvature = grid.patch.jet(grid.phi.ravel(), grid.v.ravel()).curvature()
-    out: dict[str, NDArray[Any]] = {
-        "surface": np.full(grid.phi.size, any_one.surface), "row": row, "column": column, "u": grid.phi, "v": grid.v,
-        "length_share": np.broadcast_to(grid.length, grid.shape),
-        "height_share": np.broadcast_to(grid.height[:, None], grid.shape),
-    }  # fmt: skip
-    for name, vectors in (("{}_mm", grid.point), ("n{}", grid.normal)):
-        out |= {name.format(axis): vectors[..., k] for k, axis in enumerate("xyz")}
-    out |= {"intended_k1_per_mm": curvature.k1, "intended_k2_per_mm": curvature.k2}
-    out |= {"missing": any_one.missing, "trimmed": any_one.trimmed}
-    for m in variants:
-        name = slug(m.variant)
-        out |= {
-            f"{name}_um": 1e3 * m.deviation.value,
-            f"{name}_crossing": _CROSSINGS[m.deviation.crossing],
-            f"{name}_segment": m.deviation.segment,
-        }
-        if m.gap is not None:
-            out |= _road_columns(m, name)
-    return {name: np.ravel(values) for name, values in out.items()}
-
-
-def _road_columns(m: GridMeasurement, name: str) -> dict[str, NDArray[Any]]:
-    """What the envelope road says of a measurement's samples, and the machined surface's principal curvatures."""
-    assert m.gap is not None
-    road, measurable = m.gap.road, m.measurable
-
-    def on_grid(values: NDArray, rest: Any) -> NDArray:
-        out = np.full(m.grid.shape, rest, dtype=values.dtype)
-        out[measurable] = values
-        return out
-
-    k1, k2 = np.full(road.kind.shape, np.nan), np.full(road.kind.shape, np.nan)
-    for path, source in enumerate(m.by.motions()):
-        on = (road.kind == Kind.ENVELOPE) & (road.path == path)
-        where = (c[on] for c in (road.piece, road.t, road.element, road.s, road.branch))
-        curvature = envelope_points(source, m.by.cutter, *where).curvature()
-        k1[on], k2[on] = curvature.k1, curvature.k2
-    return {
-        f"{name}_gap_um": m.gap_um,
-        f"{name}_envelope_um": on_grid(1e3 * road.deviation, np.nan),
-        f"{name}_class": on_grid(_CLASSES[road.kind], "none"),
-        f"{name}_k1_per_mm": on_grid(k1, np.nan),
-        f"{name}_k2_per_mm": on_grid(k2, np.nan),
-    }
+    return [sample_columns(_of(found, m.surface)) for m in _main(result, found)]
 
 
 def _main(result: Result, found: Sequence[GridMeasurement]) -> list[GridMeasurement]:

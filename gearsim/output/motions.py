@@ -68,7 +68,9 @@ def _generating(result: Result) -> dict[str, NDArray]:
 def charts(result: Result, _: Sequence[Any]) -> list[Chart]:
     """axes.png: the axis values of every machine's motion over its blocks; nothing where there is none."""
     motions = _axes(result.job)
-    return [Chart("axes.png", "Axis values along the motion", partial(draw_axes, motions))] if motions else []
+    return (
+        [Chart("axes.png", "Axis values along the motion", partial(draw_axes, result.name, motions))] if motions else []
+    )
 
 
 def _axes(job: Job) -> dict[str, AxisMotion]:

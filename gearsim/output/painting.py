@@ -50,10 +50,8 @@ class Painters:
         """Start drawing a result into a folder."""
         self._folder = folder
         for kind, process in self._processes.items():
-            from gearsim.output.presenters import arrays
-
+            drawn = _drawn(kind, result)
             with (folder / _handed(kind)).open("wb") as file:
-                drawn = arrays(result) if kind == "solid" else result
                 pickle.dump((drawn, self.wanted), file, protocol=pickle.HIGHEST_PROTOCOL)
             assert process.stdin is not None
             try:
@@ -90,6 +88,15 @@ def kinds(wanted: Wanted) -> tuple[str, ...]:
     solid = (MESHES, *(p.file for p in PICTURES))
     needed = {"flat": wanted.may_want_charts(solid), "solid": any(map(wanted.file, solid))}
     return tuple(kind for kind in KINDS if needed[kind])
+
+
+def _drawn(kind: str, result: Result) -> Any:
+    """What a process draws of; what makes arrays is not loaded in the processes that draw them."""
+    if kind == "flat":
+        return result
+    from gearsim.output.presenters import arrays
+
+    return arrays(result)
 
 
 def _handed(kind: str) -> str:

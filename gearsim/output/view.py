@@ -72,8 +72,13 @@ def add_colours(view: Any, limit: float, title: str) -> None:
     boxes = np.column_stack([x[:-1], np.full(64, _BASE + _LINE), x[1:], np.full(64, _BASE + 1.8 * _LINE)])
     _add_boxes(view, boxes, diverging(np.linspace(-1.0, 1.0, 64)))
     for value, at in ((-limit, x[0]), (0.0, x[32]), (limit, x[-1])):
-        _add_text(view, at, _BASE, f"{value:+.3g}" if value else "0", centred=True)
+        _add_text(view, at, _BASE, _signed(value), centred=True)
     _add_text(view, _LEFT, _BASE + 2.2 * _LINE, title)
+
+
+def _signed(value: float) -> str:
+    """A value to three digits, or without decimals."""
+    return "0" if value == 0.0 else f"{value:+.0f}" if abs(value) >= 1000.0 else f"{value:+.3g}"
 
 
 def add_name(view: Any, place: ArrayLike, name: str) -> None:
@@ -82,7 +87,10 @@ def add_name(view: Any, place: ArrayLike, name: str) -> None:
     at = actor.GetPositionCoordinate()
     at.SetCoordinateSystemToWorld()
     at.SetValue(*np.asarray(place, dtype=float))
-    actor.GetTextProperty().SetJustificationToCentered()
+    style = actor.GetTextProperty()
+    style.SetJustificationToCentered()
+    style.SetBackgroundColor(1.0, 1.0, 1.0)
+    style.SetBackgroundOpacity(0.7)
     view.AddViewProp(actor)
 
 

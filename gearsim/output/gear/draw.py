@@ -22,8 +22,8 @@ _ROUND: dict[str, Any] = {**_LIGHT, "smooth": True, "sharp": True}
 
 
 def draw_gear(data: dict[str, NDArray], surfaces: dict[str, Any], canvas: Canvas) -> None:
-    """The whole gear with the tool in space 0 at the left; space 0 with its measured flanks at the right."""
-    whole, space = canvas.views(2, size=(1300, 700))
+    """The whole gear with the tool in space 0; space 0 with its measured flanks, seen onto each of them."""
+    whole, *spaces = canvas.views(3, size=(1650, 640))
     skin, ends = _gear_body(data)
     tool = tool_skin(data["gear:profile"], data["gear:tip"], data["gear:axis"])
     add_mesh(whole, skin, STEEL, **_ROUND)
@@ -33,12 +33,13 @@ def draw_gear(data: dict[str, NDArray], surfaces: dict[str, Any], canvas: Canvas
     carried = "helix" if data["gear:twist"] else "axis"
     text = f"the section as cut, carried along the {carried}, and the tool"
     aim(whole, np.concatenate([points_of(skin), points_of(tool)]), *_ways(data), text)
-    _add_space(space, data, surfaces)
-
-
-def _add_space(view: Any, data: dict[str, NDArray], surfaces: dict[str, Any]) -> None:
-    """Space 0 as its tri-dexel shows it, the measured flanks laid on it and coloured by their deviation."""
     body = _space_body(data)
+    for view, name in zip(spaces, surfaces, strict=True):
+        _add_space(view, body, data, surfaces, name)
+
+
+def _add_space(view: Any, body: Any, data: dict[str, NDArray], surfaces: dict[str, Any], seen: str) -> None:
+    """Space 0 as its tri-dexel shows it, the measured flanks laid on it and coloured by their deviation."""
     add_mesh(view, body, STEEL, **_ROUND)
     um = np.concatenate([data[key].ravel() for key in data if key.endswith(":deviation_um")])
     unit = unit_for(um)
@@ -48,7 +49,11 @@ def _add_space(view: Any, data: dict[str, NDArray], surfaces: dict[str, Any]) ->
         lifted = quads(points, {"shown": unit.per_um * data[f"patch:{name}:deviation_um"]})
         add_map(view, lifted, "shown", limit, ambient=0.4, diffuse=0.6)
     add_colours(view, limit, DEVIATION.replace("um", unit.name.replace("µ", "u")))
-    aim(view, points_of(body), *_ways(data), "space 1 (tri-dexel) and its measured flanks")
+    normal = np.nanmean(data[f"patch:{seen}:normal"].reshape(-1, 3), axis=0)
+    open_side = np.array([float(data["gear:sign"]), 0.0, 0.0])
+    way = open_side + 0.6 * normal / np.linalg.norm(normal) + np.array([0.0, 0.0, 0.6])
+    text = f"space 1 (tri-dexel), onto its {seen} flank"
+    aim(view, points_of(body), way, (0.0, 0.0, 1.0), text)
 
 
 def _space_body(data: dict[str, NDArray]) -> Any:
