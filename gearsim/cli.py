@@ -7,6 +7,7 @@ import sys
 from collections.abc import Sequence
 from contextlib import suppress
 from pathlib import Path
+from time import perf_counter
 from typing import Any
 
 from gearsim import __version__
@@ -225,13 +226,17 @@ def _run(options: argparse.Namespace) -> int:
     from gearsim.output.painting import Painters
     from gearsim.output.screen import ScreenProgress, print_result
     from gearsim.output.wanted import Wanted
-    from gearsim.output.write import write_result
-    from gearsim.processes.run import run
+    from gearsim.output.write import refuse_unknown, write_result
+    from gearsim.processes.run import plan, run_job
 
     wanted = Wanted(not options.no_pictures, options.figures, options.only)
     out = options.out or Path("runs") / scene.name
     with staged(out) as stage, Painters(wanted) as painters, ScreenProgress() as progress:
-        result = run(scene, device=options.device, folder=folder, progress=progress)
+        progress.stage("planning", 0)
+        started = perf_counter()
+        job = plan(scene, folder)
+        refuse_unknown(job, wanted)
+        result = run_job(job, device=options.device, progress=progress, planned_s=perf_counter() - started)
         progress.stage("writing report and pictures", 0)
         with into(out):
             missing = write_result(result, stage, painters)

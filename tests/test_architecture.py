@@ -15,7 +15,7 @@ ORDER = [
     "simulation", "metrology", "gouging", "result", "output", "scene", "processes", "verify", "bench", "cli",
 ]  # fmt: skip
 LAUNCHERS = {"kernels", "envelope", "simulation", "gouging", "verify", "bench"}
-HEAVY = {"warp", "pyvista", "OpenEXR", "pyarrow", "matplotlib"}
+HEAVY = {"warp", "vtkmodules", "OpenEXR", "pyarrow", "matplotlib"}
 
 
 def modules():

@@ -24,6 +24,9 @@ from gearsim.result import Result
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
+_OURS, _BESIDE = "#1b3a5c", "#c8791b"
+_BESIDE_ONE = 2  # variants of a surface that is alone
+_STYLES = (("-", 2.8), ("--", 1.9), (":", 1.9))  # of curves that may lie over one another
 _PIXELS = 1400.0  # across a picture of few panels
 
 
@@ -89,9 +92,15 @@ def _alike(a: GridMeasurement, b: GridMeasurement) -> bool:
 
 def _panels(dense: Sequence[GridMeasurement]) -> tuple[list[tuple[int, int]], int, int]:
     """Row and column of every panel, and how many there are: surfaces under several variants side by side, a variant a
-    row; those under one alone in rows of their own.
+    row; those under one alone in rows of their own. Of one surface alone variants stand side by side, too.
     """
     counts = Counter(m.surface for m in dense)
+    if len(counts) == 1:
+        return (
+            [divmod(k, _BESIDE_ONE) for k in range(len(dense))],
+            min(len(dense), _BESIDE_ONE),
+            1 + (len(dense) - 1) // _BESIDE_ONE,
+        )
     several = [name for name, count in counts.items() if count > 1]
     alone = [name for name, count in counts.items() if count == 1]
     variants = list(dict.fromkeys(m.variant for m in dense if m.surface in several))
@@ -108,19 +117,24 @@ def _panels(dense: Sequence[GridMeasurement]) -> tuple[list[tuple[int, int]], in
 
 def draw_mean_profiles(result: Result, found: Sequence[ProfileMeasurement], save: Save) -> None:
     """mean-profile.png: deviation over the height above the contact path, printed values beside."""
-    figure, axes = page(1, len(found), (5.6, 3.9), title=result.name)
+    figure, axes = page(1, len(found), (5.6, 3.9), Room(left=0.95, across=1.15, right=0.4), result.name)
     for axis, m in zip(axes[0], found, strict=True):
         _profile(axis, m)
     save(figure, "mean-profile.png")
 
 
-def draw_axes(motions: Mapping[str, AxisMotion], save: Save) -> None:
+def draw_axes(title: str, motions: Mapping[str, AxisMotion], save: Save) -> None:
     """axes.png: the axis values of every machine motion over its blocks."""
-    figure, axes = page(len(motions), 2, (5.0, 3.1), Room(top=0.5, right=0.7, across=1.5))
+    room = Room(top=0.95, right=0.7, across=1.5)
+    figure, axes = page(len(motions), 2, (5.0, 3.1), room, f"{title}: values of the machine's axes")
     for row, (name, motion) in enumerate(motions.items()):
+        drawn = [0, 0]
         for joint, values in zip(motion.machine.joints, np.asarray(motion.values).T, strict=True):
-            shown = np.degrees(values) if joint.is_rotary else values
-            axes[row, int(joint.is_rotary)].plot(shown, label=joint.name, marker="." if len(shown) < 40 else "")
+            shown, side = np.degrees(values) if joint.is_rotary else values, int(joint.is_rotary)
+            dashes, thick = _STYLES[drawn[side] % len(_STYLES)]
+            drawn[side] += 1
+            dots = "." if len(shown) < 40 else ""
+            axes[row, side].plot(shown, label=joint.name, marker=dots, ls=dashes, lw=thick)
         for side, unit in enumerate(("mm", "deg")):
             axes[row, side].set_title(f"{name}: {'rotary' if side else 'linear'} axes")
             axes[row, side].set_xlabel("block")
@@ -134,8 +148,8 @@ def _profile(axis: Axes, m: ProfileMeasurement) -> None:
     offsets = np.array(m.offsets_mm)
     order = np.argsort(offsets)
     normal, in_plane = (np.array(list(um.values())) for um in (m.normal_um, m.in_plane_um))
-    axis.plot(offsets[order], normal[order], "o-", label="ours, surface normal")
-    axis.plot(offsets[order], in_plane[order], "x--", label="ours, normal in the profile plane")
+    axis.plot(offsets[order], normal[order], "o-", color=_OURS, label="ours, surface normal")
+    axis.plot(offsets[order], in_plane[order], "x--", color=_BESIDE, label="ours, normal in the profile plane")
     for name, x, y in zip(m.normal_um, offsets, normal, strict=True):
         axis.annotate(name, (x, y), textcoords="offset points", xytext=(4, 6), fontsize=8)
     ours, scale = _largest(np.concatenate([normal, in_plane])), ""

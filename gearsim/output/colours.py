@@ -1,7 +1,33 @@
 """Colours that mean one thing in every picture: material left, overcut, the intended surface, the steel around it."""
 
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
 EXCESS = "#b2182b"
 OVERCUT = "#2166ac"
 DIVERGING = "RdBu_r"  # overcut in the one colour, excess in the other
 BAND = "#dfe8d8"  # within tolerance
 LINE = "0.35"
+OUT = "#b5179e"  # a number beyond its tolerance
+GOUGE = "#7b3fa0"  # where, and in which directions, a tool gouges; overcut has its own colour
+FIRST, SECOND = "#b5752a", "#3f7f6b"  # of two flanks
+DARK = "#000000"  # where there is no value
+
+_ANCHORS = (
+    "#053061", "#2166ac", "#4393c3", "#92c5de", "#d1e5f0", "#f7f7f7", "#fddbc7", "#f4a582", "#d6604d", "#b2182b",
+    "#67001f",
+)  # fmt: skip
+
+
+def rgb(colour: str) -> tuple[float, float, float]:
+    """Red, green, blue from 0 to 1 of a colour written as #rrggbb."""
+    return int(colour[1:3], 16) / 255.0, int(colour[3:5], 16) / 255.0, int(colour[5:7], 16) / 255.0
+
+
+def diverging(shares: NDArray) -> NDArray:
+    """The colours of ``DIVERGING`` at shares of the limit from -1 to 1, shape (n, 3), without a drawing library."""
+    anchors = np.array([rgb(colour) for colour in _ANCHORS])
+    at = np.linspace(-1.0, 1.0, len(anchors))
+    return np.column_stack([np.interp(shares, at, anchors[:, k]) for k in range(3)])

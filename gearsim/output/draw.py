@@ -1,17 +1,21 @@
-"""3D pictures with PyVista: meshes of measured patches, blanks, toolpaths, envelopes."""
+"""3D pictures: meshes of measured patches, blanks, toolpaths, envelopes."""
 
 from __future__ import annotations
 
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from gearsim.output.view import STEEL, add_legend, aim, plotter_with, segments
+from gearsim.output.canvas import Canvas, add_mesh
+from gearsim.output.colours import DARK
+from gearsim.output.meshes import joined, mesh, points_of, quads, run, segments
+from gearsim.output.view import STEEL, add_legend, aim
 
 COLOURS = {"convex": "#e09f3e", "concave": "#4f8f79"}  # of passes; not those of overcut and excess
+_SIDES = (("convex", "concave"), ("concave", "convex"))
 _MATE = "#d8b26e"
+_ANGLES = 241  # of a blank: so many ends of its faces
 _LOWER = 0.45  # of the envelope, so that the slot is seen
 
 
@@ -34,56 +38,35 @@ def patch_meshes(data: dict[str, NDArray]) -> dict[str, Any]:
     return out
 
 
-def quads(points: NDArray, values: dict[str, NDArray]) -> Any:
-    """A mesh of quads between neighbours of a grid of points, (rows, columns, 3), that all exist."""
-    import pyvista as pv
-
-    rows, columns = points.shape[:2]
-    index = np.arange(rows * columns).reshape(rows, columns)
-    faces = np.stack([index[:-1, :-1], index[1:, :-1], index[1:, 1:], index[:-1, 1:]], axis=-1).reshape(-1, 4)
-    flat = points.reshape(-1, 3)
-    faces = faces[np.isfinite(flat[faces]).all(axis=(1, 2))]
-    mesh = pv.PolyData(np.nan_to_num(flat), np.hstack([np.full((len(faces), 1), 4), faces]).ravel())
-    for name, value in values.items():
-        mesh[name] = value.reshape(rows * columns, *value.shape[2:])
-    return mesh.clean()
-
-
 def _turned(polygon: NDArray, start: float, end: float) -> Any:
     """A polygon (radius, z) turned about z from one angle to another [deg], with its end faces."""
-    import pyvista as pv
-
-    angles = np.radians(np.linspace(start, end, 241))
+    angles = np.radians(np.linspace(start, end, _ANGLES))
     ring = np.vstack([polygon, polygon[:1]])
     x, y = (np.outer(f(angles), ring[:, 0]) for f in (np.cos, np.sin))
-    z = np.tile(ring[:, 1], (len(angles), 1))
-    skin = pv.StructuredGrid(*(c[..., None] for c in (x, y, z))).extract_surface(algorithm=None)
-    face = [len(polygon), *range(len(polygon))]
-    ends = [pv.PolyData(np.column_stack([x[i, :-1], y[i, :-1], z[i, :-1]]), face) for i in (0, -1)]
-    return pv.merge([skin, *ends], merge_points=False)
+    points = np.stack([x, y, np.tile(ring[:, 1], (len(angles), 1))], axis=-1)
+    face = np.arange(len(polygon))[None]
+    return joined([quads(points), *(mesh(points[i, :-1], [face]) for i in (0, -1))])
 
 
-def draw_blanks(data: dict[str, NDArray], _: dict[str, Any], file: Path) -> None:
+def draw_blanks(data: dict[str, NDArray], _: dict[str, Any], canvas: Canvas) -> None:
     """The part's blank and its mate's in mesh, a part of the first cut away."""
-    plotter = plotter_with()
-    shade = {"smooth_shading": True, "split_sharp_edges": True}
+    (view,) = canvas.views()
     part = _turned(data["part:polygon"], -150.0, 150.0)
-    mate = _turned(data["mate:polygon"], 0.0, 360.0).rotate_y(90.0, inplace=False)
-    plotter.add_mesh(part, color=STEEL, **shade)
-    plotter.add_mesh(mate, color=_MATE, **shade)
-    add_legend(plotter, {"the part's blank": STEEL, "its mate's": _MATE})
-    points = np.concatenate([part.points, mate.points])
-    aim(plotter, points, (-160.0, -200.0, -212.0), (0.0, 0.0, -1.0), "blanks in mesh, a part cut away")
-    plotter.screenshot(str(file))
+    mate = _turned(data["mate:polygon"], 0.0, 360.0)
+    x, y, z = points_of(mate).T.copy()
+    points_of(mate)[:] = np.column_stack([z, y, -x])  # its axis along x
+    add_mesh(view, part, STEEL, smooth=True, sharp=True)
+    add_mesh(view, mate, _MATE, smooth=True, sharp=True)
+    add_legend(view, {"the part's blank": STEEL, "its mate's": _MATE})
+    points = np.concatenate([points_of(part), points_of(mate)])
+    aim(view, points, (-160.0, -200.0, -212.0), (0.0, 0.0, -1.0), "blanks in mesh, a part cut away")
 
 
-def _add_slot(plotter: Any, surfaces: dict[str, Any], without: str = "") -> NDArray:
+def _add_slot(view: Any, surfaces: dict[str, Any], without: str = "") -> NDArray:
     """The slot in steel; its points."""
-    import pyvista as pv
-
-    slot = pv.merge([s for name, s in surfaces.items() if name != without], merge_points=False)
-    plotter.add_mesh(slot, color=STEEL, smooth_shading=True, ambient=0.3)
-    return np.asarray(slot.points)
+    slot = joined(s for name, s in surfaces.items() if name != without)
+    add_mesh(view, slot, STEEL, smooth=True, ambient=0.3)
+    return points_of(slot)
 
 
 def into_slot(data: dict[str, NDArray]) -> tuple[NDArray, NDArray]:
@@ -94,39 +77,60 @@ def into_slot(data: dict[str, NDArray]) -> tuple[NDArray, NDArray]:
     return 0.85 * up + 0.75 * along + 0.25 * np.cross(up, along), up
 
 
-def draw_toolpaths(data: dict[str, NDArray], surfaces: dict[str, Any], file: Path) -> None:
+def onto(data: dict[str, NDArray], flank: str, other: str) -> tuple[NDArray, NDArray]:
+    """The way to an eye that looks onto a flank, from the heel, from above and from the other flank's side; and up."""
+    up = data["view:up"]
+    along = data["view:along"] - (data["view:along"] @ up) * up
+    along = along / np.linalg.norm(along)
+    across = _middle(data, other) - _middle(data, flank)
+    across = across - (across @ up) * up - (across @ along) * along
+    across = across / max(float(np.linalg.norm(across)), 1e-12)
+    return 0.62 * up + 0.45 * along + 0.64 * across, up
+
+
+def _middle(data: dict[str, NDArray], name: str) -> NDArray:
+    """The point in a patch's middle."""
+    points = data[f"patch:{name}:point"]
+    return points[points.shape[0] // 2, points.shape[1] // 2]
+
+
+def draw_toolpaths(data: dict[str, NDArray], surfaces: dict[str, Any], canvas: Canvas) -> None:
     """Tool axes and tip curves of both passes in the slot, side by side."""
-    import pyvista as pv
-
-    plotter = plotter_with(views=2)
     length = 0.6 * float(data["cutter:height"])
-    for view, side in enumerate(("convex", "concave")):
-        plotter.subplot(0, view)
-        slot = _add_slot(plotter, surfaces)
+    for view, (side, other) in zip(canvas.views(2), _SIDES, strict=True):
+        slot = _add_slot(view, surfaces)
         tip, axis = data[f"path:{side}:tip"], data[f"path:{side}:axis"]
-        plotter.add_mesh(pv.lines_from_points(tip), color="black", line_width=4)
-        plotter.add_mesh(segments(tip, tip + length * axis), color=COLOURS[side], line_width=3)
-        axes = f"tool axes, {length:.3g} mm from the tip, {len(tip)} places"
-        add_legend(plotter, {axes: COLOURS[side], "path of the tool's tip": "black", "machined slot": STEEL})
+        add_mesh(view, segments(tip[:-1], tip[1:]), DARK, width=4.0)
+        add_mesh(view, segments(tip, tip + length * axis), COLOURS[side], width=3.0)
+        axes = f"{len(tip)} tool axes, {length:.3g} mm from the tip"
+        add_legend(view, {axes: COLOURS[side], "path of the tool's tip": DARK, "machined slot": STEEL})
         points = np.concatenate([slot, tip, tip + length * axis])
-        aim(plotter, points, *into_slot(data), f"pass for the {side} flank")
-    plotter.screenshot(str(file))
+        aim(view, points, *onto(data, side, other), f"pass for the {side} flank")
 
 
-def draw_envelopes(data: dict[str, NDArray], surfaces: dict[str, Any], file: Path) -> None:
+def draw_envelopes(data: dict[str, NDArray], surfaces: dict[str, Any], canvas: Canvas) -> None:
     """Both branches of the cutter flank's untrimmed envelope, one view a pass."""
-    plotter = plotter_with(views=2)
-    for view, side in enumerate(("convex", "concave")):
-        plotter.subplot(0, view)
-        shown = [_add_slot(plotter, surfaces, without=side)]
+    for view, (side, other) in zip(canvas.views(2), _SIDES, strict=True):
+        shown = [_add_slot(view, surfaces, without=side)]
         for branch in ("plus", "minus"):
             points = data[f"envelope:{side}:{branch}"]
             points = points[:, : max(2, int(_LOWER * points.shape[1]))]
-            mesh = quads(points, {})
-            plotter.add_mesh(mesh, color=COLOURS[side], opacity=0.6, smooth_shading=True, ambient=0.3)
-            plotter.add_mesh(mesh.extract_feature_edges(60.0), color="black", line_width=2)
+            sheet = quads(points)
+            add_mesh(view, sheet, COLOURS[side], opacity=0.6, smooth=True, ambient=0.3)
+            add_mesh(view, _edges(sheet), DARK, width=2.0)
             shown.append(points.reshape(-1, 3))
         envelope = f"the envelope's lower {100.0 * _LOWER:.0f} %"
-        add_legend(plotter, {envelope: COLOURS[side], "its border": "black", "the slot's other surfaces": STEEL})
-        aim(plotter, np.concatenate(shown), *into_slot(data), f"envelope of the {side} flank's pass, both branches")
-    plotter.screenshot(str(file))
+        add_legend(view, {envelope: COLOURS[side], "its border": DARK, "the slot's other surfaces": STEEL})
+        text = f"envelope of the {side} flank's pass, both branches"
+        aim(view, np.concatenate(shown), *onto(data, side, other), text)
+
+
+def _edges(sheet: Any) -> Any:
+    """A sheet's border, and where it folds."""
+    from vtkmodules.vtkFiltersCore import vtkFeatureEdges
+
+    edges = vtkFeatureEdges()
+    edges.SetInputData(sheet)
+    edges.SetFeatureAngle(60.0)
+    edges.ColoringOff()
+    return run(edges)

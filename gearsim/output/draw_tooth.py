@@ -2,45 +2,42 @@
 
 from __future__ import annotations
 
-from pathlib import Path
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from gearsim.output.colours import DIVERGING
-from gearsim.output.draw import quads
-from gearsim.output.view import DEVIATION, STEEL, add_colours, aim, plotter_with
+from gearsim.output.canvas import Canvas, add_map, add_mesh
+from gearsim.output.draw import onto
+from gearsim.output.meshes import joined, points_of, quads
+from gearsim.output.view import DEVIATION, STEEL, add_colours, add_name, aim
 
 _NEIGHBOURS = 1
 _COARSER = 6
-_LIGHT = {"ambient": 0.35, "diffuse": 0.65}
+_NEAR_END = 0.1  # of the face
+_RIM = 0.3  # of the slot's depth: what is shown below it
+_LIGHT: dict[str, Any] = {"ambient": 0.35, "diffuse": 0.65}
+_PLAIN: dict[str, Any] = {"ambient": 0.55, "diffuse": 0.5}  # colours are to be those of the scale
+_ENDS = "#9aa1ab"
 
 
-def draw_tooth(data: dict[str, NDArray], surfaces: dict[str, Any], file: Path) -> None:
+def draw_tooth(data: dict[str, NDArray], surfaces: dict[str, Any], canvas: Canvas) -> None:
     """Two views, one onto each flank; colours span the tolerance, what lies beyond has the end's colour."""
     limit = float(data["tooth:limit_um"])
     names = [str(name) for name in data["tooth:names"]]
-    plotter = plotter_with(views=2)
-    body = _body(data, names)
-    for view, way in enumerate((1.0, -1.0)):
-        plotter.subplot(0, view)
-        plotter.add_mesh(body, color=STEEL, **_LIGHT)
-        for name in names:
-            plotter.add_mesh(
-                surfaces[name].copy(), scalars="deviation_um", cmap=DIVERGING, clim=(-limit, limit), nan_color="black",
-                show_scalar_bar=False, **_LIGHT,
-            )  # fmt: skip
-        shown = names[0] if way > 0.0 else names[-1]
-        plotter.add_point_labels(
-            _middle(data, shown)[None], [shown], font_size=15, text_color="black", shape=None, show_points=False,
-            always_visible=True,
-        )  # fmt: skip
-        add_colours(plotter, limit, DEVIATION)
-        points = np.concatenate([body.points, *(surfaces[name].points for name in names)])
-        span = str(data["tooth:span"])
-        aim(plotter, points, *_ways(data, names, way), f"onto the {shown} flank; neighbours in grey; {span}")
-    plotter.screenshot(str(file))
+    slot = joined(surfaces[name] for name in names)
+    body, ends = _body(data, names)
+    points = np.concatenate([points_of(shape) for shape in (slot, body, ends)])
+    for view, shown, other in zip(canvas.views(2), (names[0], names[-1]), (names[-1], names[0]), strict=True):
+        add_mesh(view, body, STEEL, smooth=True, sharp=True, **_LIGHT)
+        add_mesh(view, ends, _ENDS, **_LIGHT)
+        add_map(view, slot, "deviation_um", limit, **_PLAIN)
+        for name, along in ((shown, 0.5), ("toe", _NEAR_END), ("heel", 1.0 - _NEAR_END)):
+            add_name(view, _place(data, shown, along), name)
+        add_colours(view, limit, DEVIATION)
+        text = f"onto the {shown} flank; neighbours in grey; {data['tooth:span']}"
+        aim(view, points, *onto(data, shown, other), text)
 
 
 def tooth_arrays(names: list[str], teeth: int, limit_um: float, span: str) -> dict[str, NDArray]:
@@ -51,55 +48,59 @@ def tooth_arrays(names: list[str], teeth: int, limit_um: float, span: str) -> di
     }  # fmt: skip
 
 
-def _points(data: dict[str, NDArray], name: str, coarse: bool = True) -> NDArray:
+def _place(data: dict[str, NDArray], name: str, along: float) -> NDArray:
+    """The point half way up a patch, at a share of its way from toe to heel."""
     points = data[f"patch:{name}:point"]
-    if not coarse:
-        return points
-    columns = np.unique(np.append(np.arange(0, points.shape[1], _COARSER), points.shape[1] - 1))
-    rows = np.unique(np.append(np.arange(0, points.shape[0], 2), points.shape[0] - 1))
-    return points[rows][:, columns]
+    return points[points.shape[0] // 2, round(along * (points.shape[1] - 1))]
 
 
-def _middle(data: dict[str, NDArray], name: str) -> NDArray:
-    points = data[f"patch:{name}:point"]
-    return points[points.shape[0] // 2, points.shape[1] // 2]
-
-
-def _body(data: dict[str, NDArray], names: list[str]) -> Any:
-    """The neighbouring slots and the lands between all of them."""
-    import pyvista as pv
-
-    first, last = (_outer(data, name) for name in (names[0], names[-1]))
+def _body(data: dict[str, NDArray], names: list[str]) -> tuple[Any, Any]:
+    """The neighbouring slots, the lands between all and the seams of the slot in the middle; the ends of the teeth."""
+    patches = _from_tip_to_tip([_coarse(data[f"patch:{name}:point"]) for name in names])
+    slot = np.concatenate(patches)
     pitch = 2.0 * np.pi / float(data["tooth:teeth"])
-    way = min((1.0, -1.0), key=lambda s: float(np.nansum((_turned(first, s * pitch) - last) ** 2)))
-    parts = []
-    for k in range(-_NEIGHBOURS, _NEIGHBOURS + 1):
-        if k:
-            parts += [quads(_turned(_points(data, name), k * way * pitch), {}) for name in names]
-        if k < _NEIGHBOURS:
-            land = np.stack([_turned(last, k * way * pitch), _turned(first, (k + 1) * way * pitch)])
-            parts.append(quads(land, {}))
-    return pv.merge(parts, merge_points=False)
+    pitch *= min((1.0, -1.0), key=lambda s: float(np.nansum((_turned(slot[0], s * pitch) - slot[-1]) ** 2)))
+    slots = [_turned(slot, k * pitch) for k in range(-_NEIGHBOURS, _NEIGHBOURS + 1)]
+    middle, n = slots[_NEIGHBOURS], _NEIGHBOURS
+    before, after = np.concatenate([*slots[:n], middle[:1]]), np.concatenate([middle[-1:], *slots[n + 1 :]])
+    seams = [quads(np.stack([a[-1], b[0]])) for a, b in pairwise(patches)]
+    whole = np.concatenate(slots)
+    base = _base(whole, data["view:centre"], data["view:up"])
+    walls = (np.stack([whole[k], base[k]]) for k in (0, -1))
+    faces = (np.stack([whole[:, k], base[:, k]]) for k in (0, -1))
+    return joined([quads(before), quads(after), *seams, *map(quads, walls)]), joined(map(quads, faces))
 
 
-def _outer(data: dict[str, NDArray], name: str) -> NDArray:
-    """The edge of a flank that is farther from the other surfaces: its tip."""
-    points = _points(data, name)
-    up = data["view:up"]
-    return points[-1] if np.nanmean(points[-1] @ up) > np.nanmean(points[0] @ up) else points[0]
+def _coarse(points: NDArray) -> NDArray:
+    columns = np.unique(np.append(np.arange(0, points.shape[1], _COARSER), points.shape[1] - 1))
+    return points[:, columns]
+
+
+def _from_tip_to_tip(patches: list[NDArray]) -> list[NDArray]:
+    """Neighbouring patches, (rows, columns, 3) each, their rows turned about so that they follow one another."""
+
+    def apart(a: NDArray, b: NDArray) -> float:
+        return float(np.nansum((a - b) ** 2))
+
+    first, second = patches[0], patches[1]
+    to_first_row, to_last_row = (min(apart(first[k], second[j]) for j in (0, -1)) for k in (0, -1))
+    out = [first[::-1] if to_first_row < to_last_row else first]
+    for patch in patches[1:]:
+        out.append(patch[::-1] if apart(out[-1][-1], patch[-1]) < apart(out[-1][-1], patch[0]) else patch)
+    return out
+
+
+def _base(points: NDArray, centre: NDArray, up: NDArray) -> NDArray:
+    """Points (rows, columns, 3) moved down to a rim below the deepest of their column; ``up`` is up at the centre."""
+    out = centre[:2] / np.linalg.norm(centre[:2])
+    radial, axial = float(up[:2] @ out), float(up[2])
+    radius = np.linalg.norm(points[..., :2], axis=-1)
+    height = radial * radius + axial * points[..., 2]
+    level = np.nanmin(height, axis=0) - _RIM * (np.nanmax(height, axis=0) - np.nanmin(height, axis=0))
+    way = np.concatenate([radial * points[..., :2] / radius[..., None], np.full((*radius.shape, 1), axial)], axis=-1)
+    return np.asarray(points + (level - height)[..., None] * way)
 
 
 def _turned(points: NDArray, angle: float) -> NDArray:
     c, s = np.cos(angle), np.sin(angle)
     return points @ np.array([[c, s, 0.0], [-s, c, 0.0], [0.0, 0.0, 1.0]])
-
-
-def _ways(data: dict[str, NDArray], names: list[str], way: float) -> tuple[NDArray, NDArray]:
-    """The way to the eye, from the heel, from above and from the side of the flank not looked at; and up."""
-    up = data["view:up"]
-    along = data["view:along"] - (data["view:along"] @ up) * up
-    along = along / np.linalg.norm(along)
-    across = _middle(data, names[-1]) - _middle(data, names[0])
-    across = across - (across @ up) * up - (across @ along) * along
-    across = across / max(float(np.linalg.norm(across)), 1e-12)
-    return 0.62 * up + 0.45 * along + 0.64 * way * across, up

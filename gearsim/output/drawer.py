@@ -1,6 +1,6 @@
 """3D pictures and tooth.vtp, drawn in a process of their own; tooth.vtp, which needs no OpenGL, is written first.
 
-PyVista is loaded when something is drawn: what there is to draw is known without it.
+All are made of named arrays: the process loads nothing that cuts or measures. VTK is loaded when something is drawn.
 """
 
 from __future__ import annotations
@@ -11,15 +11,15 @@ from typing import Any, NamedTuple
 
 from numpy.typing import NDArray
 
+from gearsim.output.canvas import Canvas
 from gearsim.output.draw import draw_blanks, draw_envelopes, draw_toolpaths, patch_meshes
 from gearsim.output.draw_swept import draw_swept
 from gearsim.output.draw_tooth import draw_tooth
-from gearsim.output.exr import stated
+from gearsim.output.files import MESHES
 from gearsim.output.gear.draw import draw_gear
 from gearsim.output.gouging.draw import draw_surfaces
-from gearsim.output.presenters import collected
+from gearsim.output.meshes import joined, write_vtp
 from gearsim.output.wanted import Wanted
-from gearsim.result import Result
 
 Arrays = dict[str, NDArray]
 
@@ -30,7 +30,7 @@ class Picture(NamedTuple):
     file: str
     needs: str
     caption: str
-    draw: Callable[[Arrays, dict[str, Any], Path], None]
+    draw: Callable[[Arrays, dict[str, Any], Canvas], None]
 
 
 PICTURES = (
@@ -44,52 +44,26 @@ PICTURES = (
 )
 
 
-MESHES = "tooth.vtp"
-
-
-def solid_files(result: Result) -> list[str]:
-    """The names of all that ``draw_all`` would write of a result."""
-    data = _arrays(result)
+def solid_files(data: Arrays) -> list[str]:
+    """The names of all that ``draw_all`` would write of these arrays."""
     meshes = [MESHES] if any(key.startswith("patch:") for key in data) else []
     return [*meshes, *(p.file for p in _drawable(data))]
 
 
-def draw_all(result: Result, folder: Path, wanted: Wanted, tell: Callable[[dict[str, str]], None]) -> None:
+def draw_all(data: Arrays, folder: Path, wanted: Wanted, tell: Callable[[dict[str, str]], None]) -> None:
     """Write tooth.vtp and draw every picture there are arrays for, as wanted; ``tell`` of captions before drawing."""
-    import pyvista as pv
-
-    pv.OFF_SCREEN = True
-    data = _arrays(result)
     surfaces = patch_meshes(data)
     if surfaces and wanted.file(MESHES):
-        whole = pv.merge(list(surfaces.values()), merge_points=False)
-        skin = whole.extract_surface(algorithm=None)
-        for key, text in stated(result).items():
-            skin.field_data[f"gearsim.{key}"] = [text]
-        _save(skin, folder / MESHES)
+        whole = joined(surfaces.values())
+        whole.GetPointData().SetActiveScalars("deviation_um")
+        write_vtp(whole, dict(data["stated"]), folder / MESHES)
     pictures = [p for p in _drawable(data) if wanted.file(p.file)]
     tell({p.file: p.caption for p in pictures})
+    canvas = Canvas() if pictures else None
     for picture in pictures:
-        picture.draw(data, surfaces, folder / picture.file)
-
-
-def _save(mesh: Any, file: Path) -> None:
-    """Write a mesh as VTK would, but by Python: VTK's own writing ends the process where the disk takes no more."""
-    from vtkmodules.vtkIOXML import vtkXMLPolyDataWriter
-
-    writer = vtkXMLPolyDataWriter()
-    writer.SetInputData(mesh)
-    writer.SetDataModeToBinary()
-    writer.WriteToOutputStringOn()
-    writer.Write()
-    file.write_text(writer.GetOutputString(), encoding="ascii")
-
-
-def _arrays(result: Result) -> Arrays:
-    data: Arrays = {}
-    for arrays in collected(result, "layers"):
-        data |= arrays
-    return data
+        assert canvas is not None
+        picture.draw(data, surfaces, canvas)
+        canvas.save(folder / picture.file)
 
 
 def _drawable(data: Arrays) -> list[Picture]:

@@ -14,6 +14,8 @@ from gearsim.errors import InputError
 
 LAST = "report.json"
 _UNFINISHED = ".unfinished-"
+SAMPLES = "samples.parquet"
+MESHES = "tooth.vtp"
 
 
 @contextmanager

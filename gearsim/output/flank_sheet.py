@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from gearsim.metrology.grid import GridMeasurement
-from gearsim.output.colours import BAND, EXCESS, LINE, OVERCUT
+from gearsim.output.colours import BAND, EXCESS, LINE, OUT, OVERCUT
 from gearsim.output.heat import draw_heat
 from gearsim.output.saving import Save
 
@@ -71,7 +71,7 @@ def _whiskers(axis: Any, m: GridMeasurement, tolerance_um: float, per_um: float)
     x, y = np.meshgrid(np.arange(columns, dtype=float), np.arange(rows, dtype=float))
     for i in range(rows):
         band = per_um * tolerance_um
-        axis.fill_between([-0.4, columns - 0.6], i - band, i + band, color=BAND, lw=0, zorder=0)
+        axis.fill_between([-0.4, columns - 0.35], i - band, i + band, color=BAND, lw=0, zorder=0)
     axis.add_collection(LineCollection([*np.stack([x, y], -1), *np.stack([x.T, y.T], -1)], colors="0.75", lw=0.7))
     length = np.clip(np.nan_to_num(um) * per_um, -0.95, 0.95)
     tips = np.stack([np.stack([x, y], -1), np.stack([x, y + length], -1)], axis=2).reshape(-1, 2, 2)
@@ -81,7 +81,7 @@ def _whiskers(axis: Any, m: GridMeasurement, tolerance_um: float, per_um: float)
     for i, j in np.ndindex(um.shape):
         said = "–" if not np.isfinite(um[i, j]) else number(float(um[i, j]))
         out = np.isfinite(um[i, j]) and abs(um[i, j]) > tolerance_um
-        axis.text(j + 0.06, i - 0.07, said, fontsize=7, va="top", ha="left", color=EXCESS if out else "k")
+        axis.text(j + 0.06, i - 0.07, said, fontsize=7, va="top", ha="left", color=OUT if out else "k")
     axis.set(xlim=(-0.55, columns - 0.35), ylim=(-0.7, rows - 0.35), xticks=[], yticks=[])
     for side in axis.spines.values():
         side.set_visible(False)
@@ -102,7 +102,7 @@ def _words(figure: Any, x: float, y: float, flank: Sheet, tolerance_um: float) -
     """Sum of squares and worst point of the inspector's grid; what it misses; whether it aliases."""
     told = [(line, warns) for text, warns in sheet_words(flank, tolerance_um) for line in wrap(text, _CHARACTERS)]
     for i, (line, warns) in enumerate(told):
-        figure.text(x / _WIDTH, (y + 0.5 - 0.17 * i) / _HEIGHT, line, fontsize=8.5, color=EXCESS if warns else "k")
+        figure.text(x / _WIDTH, (y + 0.5 - 0.17 * i) / _HEIGHT, line, fontsize=8.5, color=OUT if warns else "k")
 
 
 def sheet_words(flank: Sheet, tolerance_um: float) -> list[tuple[str, bool]]:
@@ -164,6 +164,9 @@ def _map(axis: Any, flank: Sheet) -> None:
     along, up = m.grid.patch.ways
     x, y = np.meshgrid(along.at(points.length), up.at(points.height))
     axis.plot(x.ravel(), y.ravel(), ".", ms=2.5, color="0.2")
+    axis.text(
+        1.0, -0.16, "▽ least   △ greatest   · the grid", transform=axis.transAxes, fontsize=8, ha="right", va="top"
+    )
     if np.isfinite(um).any():
         for pick, mark in ((np.nanargmin, "v"), (np.nanargmax, "^")):
             i, j = np.unravel_index(int(pick(um)), um.shape)

@@ -12,11 +12,14 @@ from numpy.typing import NDArray
 from rich.console import Console
 from rich.table import Table
 
-from gearsim.metrology.grid import COARSE, DENSE, GridMeasurement
+from gearsim.metrology.grid import COARSE, DENSE, GridInspection, GridMeasurement
+from gearsim.metrology.job import Job
+from gearsim.metrology.root import RootInspection
 from gearsim.metrology.topography import Topography
 from gearsim.output.charts import draw_grids
 from gearsim.output.columns import Column
 from gearsim.output.draw_tooth import tooth_arrays
+from gearsim.output.files import MESHES, SAMPLES
 from gearsim.output.flank_sheet import Sheet, draw_sheet
 from gearsim.output.grid_columns import channels, sample_columns
 from gearsim.output.heat import is_perfect
@@ -28,6 +31,31 @@ from gearsim.result import Result
 
 _FROM_TIP_TO_TIP = ("concave", "concave fillet", "bottom", "convex fillet", "convex")
 _ROTATIONS = ("mid_rotation_um", "best_rotation_um")
+
+
+def files(job: Job, asked: Sequence[Any]) -> list[str]:
+    """Maps, samples and meshes; the inspection sheet and the whole tooth where all that they show is measured."""
+    grids = [i for i in asked if isinstance(i, GridInspection)]
+    sheets = [i for i in grids if i.name == COARSE and i.rotated and job.main in i.variants]
+    measured = {i.surface for i in grids if i.name == DENSE and job.main in i.variants}
+    for i in asked:
+        measured |= set(i.surfaces) if isinstance(i, RootInspection) and i.variant == job.main else set()
+    whole = measured.issuperset(_FROM_TIP_TO_TIP) and job.part.patch(_FROM_TIP_TO_TIP[0]).blank is not None
+    named = {
+        "inspection.png": bool(_limits(job, [i.surface for i in sheets])),
+        "deviation.png": True,
+        "deviation.exr": True,
+        SAMPLES: True,
+        MESHES: True,
+        "tooth.png": whole,
+    }
+    return [name for name, given in named.items() if given]
+
+
+def _limits(job: Job, surfaces: Sequence[str]) -> list[float]:
+    """What is tolerated of those surfaces that have a tolerance [um]."""
+    tolerances = [job.part.surfaces[surface].tolerance for surface in surfaces]
+    return [t.excess_um for t in tolerances if t is not None and np.isfinite(t.excess_um)]
 
 
 def figures(m: GridMeasurement) -> dict[str, Any]:
@@ -160,8 +188,7 @@ def _sheet(result: Result, found: Sequence[GridMeasurement]) -> list[Chart]:
     for m in found:
         if m.inspection == COARSE and m.variant == main and m.topography is not None:
             halves += [Sheet(m, dense) for dense in _of(found, m.surface) if dense.variant == main]
-    tolerances = [result.job.part.surfaces[h.coarse.surface].tolerance for h in halves]
-    limits = [t.excess_um for t in tolerances if t is not None and np.isfinite(t.excess_um)]
+    limits = _limits(result.job, [h.coarse.surface for h in halves])
     if not halves or not limits:
         return []
     caption = "Inspection sheet: the inspector's grid and the dense map under the whole program"
@@ -196,8 +223,7 @@ def _tooth(result: Result, main: Sequence[GridMeasurement]) -> dict[str, NDArray
     names = [name for name in _FROM_TIP_TO_TIP if name in by_name]
     if blank is None or len(names) < len(_FROM_TIP_TO_TIP):
         return {}
-    tolerances = [result.job.part.surfaces[name].tolerance for name in names]
-    limits = [t.excess_um for t in tolerances if t is not None and np.isfinite(t.excess_um)]
+    limits = _limits(result.job, names)
     known = np.concatenate([m.deviation.value[np.isfinite(m.deviation.value)] for m in main])
     limit = min(limits) if limits else max(1e3 * float(np.abs(known).max(initial=0.0)), 1e-3)
     what = "colours span the tolerance" if limits else "colours span the deviations"

@@ -29,16 +29,14 @@ def is_perfect(m: GridMeasurement) -> bool:
 def draw_heat(axis: Axes, grid: SampleGrid, um: NDArray, what: str) -> None:
     """A map of one surface with its range in the title and its scale at the right.
 
-    The contours are of the map averaged along the face, or a path's steps would fill it.
+    The contours are of the map averaged, most along the face, or a path's steps would fill it.
     """
-    from scipy.ndimage import gaussian_filter1d  # the run itself needs the names of pictures only
-
     along, up = grid.patch.ways
     known = um[np.isfinite(um)]
     limit = max(float(np.abs(known).max(initial=0.0)), NOISE_UM)
     x, y = along.at(grid.length), up.at(grid.height)
     paint(axis, x, y, um, limit)
-    smooth = gaussian_filter1d(um, um.shape[1] / 40.0, axis=1, mode="nearest")
+    smooth = averaged(um)
     steps = smooth[np.isfinite(smooth)]
     if steps.size and np.ptp(steps) > 0.2 * limit and min(um.shape) > 2:
         draw_contours(axis, x, y, smooth)
@@ -47,6 +45,14 @@ def draw_heat(axis: Axes, grid: SampleGrid, um: NDArray, what: str) -> None:
     axis.set_title(f"{what}: {span(known)}", fontsize=10, y=1.03)  # fixed: to find a place for it is slow
     axis.set_xlabel(along.what, fontsize=9)
     axis.set_ylabel(up.what, fontsize=9)
+
+
+def averaged(values: NDArray) -> NDArray:
+    """A map without the steps of a path, shape (rows, columns): averaged over a few columns and fewer rows."""
+    from scipy.ndimage import gaussian_filter  # the run itself needs the names of pictures only
+
+    rows, columns = values.shape
+    return np.asarray(gaussian_filter(values, (rows / 80.0, columns / 40.0), mode="nearest"))
 
 
 def paint(axis: Axes, x: NDArray, y: NDArray, um: NDArray, limit: float, unit: str = "µm") -> None:

@@ -14,6 +14,10 @@ from gearsim.output.summary import number
 from gearsim.result import Result
 
 
+def files(*_: Any) -> list[str]:
+    return ["mean-profile.png"]
+
+
 def figures(m: ProfileMeasurement) -> dict[str, Any]:
     out: dict[str, Any] = {
         "offsets_mm": list(m.offsets_mm),

@@ -1,7 +1,8 @@
 """The drawing processes: one for flat pictures, one for 3D; each loads its library while the kernels still run.
 
-``python -m gearsim.output.painting flat|solid`` waits for a line with a folder, and draws of the result pickled in it
-what is wanted. A machine without OpenGL ends the 3D process, not the run.
+``python -m gearsim.output.painting flat|solid`` waits for a line with a folder, and draws what is wanted of what is
+pickled in it: the flat one of the result, the 3D one of arrays alone. A machine without OpenGL ends the 3D process, not
+the run.
 """
 
 from __future__ import annotations
@@ -16,11 +17,13 @@ import subprocess
 import sys
 from collections.abc import Callable
 from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
 from gearsim.output.wanted import EVERYTHING, Wanted
-from gearsim.result import Result
 
-RESULT = "_result.pickle"
+if TYPE_CHECKING:
+    from gearsim.result import Result
+
 KINDS = ("flat", "solid")
 _DISK = 100  # and the number of the error: the exit code of a drawing process that the disk refused
 _DISK_ERRORS = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EIO)
@@ -50,11 +53,10 @@ class Painters:
     def draw(self, result: Result, folder: Path) -> None:
         """Start drawing a result into a folder."""
         self._folder = folder
-        if not self._processes:
-            return
-        with (folder / RESULT).open("wb") as file:
-            pickle.dump((result, self.wanted), file, protocol=pickle.HIGHEST_PROTOCOL)
-        for process in self._processes.values():
+        for kind, process in self._processes.items():
+            drawn = _drawn(kind, result)
+            with (folder / _handed(kind)).open("wb") as file:
+                pickle.dump((drawn, self.wanted), file, protocol=pickle.HIGHEST_PROTOCOL)
             assert process.stdin is not None
             try:
                 process.stdin.write(json.dumps(str(folder)) + "\n")
@@ -80,7 +82,7 @@ class Painters:
             if process.returncode:
                 missing.append(_reason(kind, [n for n in drawn if n not in captions], errors, process.returncode))
             told.unlink(missing_ok=True)
-        (self._folder / RESULT).unlink(missing_ok=True)
+            (self._folder / _handed(kind)).unlink(missing_ok=True)
         return captions, missing
 
 
@@ -95,6 +97,22 @@ def kinds(wanted: Wanted) -> tuple[str, ...]:
     solid = (MESHES, *(p.file for p in PICTURES))
     needed = {"flat": wanted.may_want_charts(solid), "solid": any(map(wanted.file, solid))}
     return tuple(kind for kind in KINDS if needed[kind])
+
+
+def _drawn(kind: str, result: Result) -> Any:
+    """What a process draws of; what makes arrays is not loaded in the processes that draw them."""
+    if kind == "flat":
+        return result
+    import numpy as np
+
+    from gearsim.output.exr import stated
+    from gearsim.output.presenters import arrays
+
+    return arrays(result) | {"stated": np.array(list(stated(result).items()))}
+
+
+def _handed(kind: str) -> str:
+    return f"_{kind}.pickle"
 
 
 def _start(kind: str) -> subprocess.Popen[str]:
@@ -119,22 +137,22 @@ def main(kind: str) -> None:
     if not line:
         return
     folder = Path(json.loads(line))
-    with (folder / RESULT).open("rb") as file:
-        result, wanted = pickle.load(file)  # our own, written a moment ago
+    with (folder / _handed(kind)).open("rb") as file:
+        drawn, wanted = pickle.load(file)  # our own, written a moment ago
     gc.freeze()  # it stays to the end: no collection need go through it again and again
 
     def tell(captions: dict[str, str]) -> None:
         (folder / f"_{kind}.json").write_text(json.dumps(captions), encoding="utf-8")
 
     try:
-        paint(result, folder, wanted, tell)
+        paint(drawn, folder, wanted, tell)
     except OSError as error:
         if error.errno in _DISK_ERRORS:
             sys.exit(_DISK + error.errno)
         raise
 
 
-Paint = Callable[[Result, Path, Wanted, Callable[[dict[str, str]], None]], None]
+Paint = Callable[[Any, Path, Wanted, Callable[[dict[str, str]], None]], None]
 
 
 def _flat() -> Paint:
@@ -146,7 +164,7 @@ def _flat() -> Paint:
 
 
 def _solid() -> Paint:
-    import pyvista.plotting  # noqa: F401 - loaded on demand otherwise, when the result is waiting
+    import vtkmodules.vtkRenderingOpenGL2  # noqa: F401 - loaded on demand otherwise, when the arrays are waiting
 
     from gearsim.output.drawer import draw_all
 

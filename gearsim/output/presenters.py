@@ -12,15 +12,20 @@ A presenter module may have any of these functions; ``found`` are a result's mea
 | ``rows(result, found)`` | columns of samples.parquet, one table a surface |
 | ``columns(result, found)`` | more columns of these tables, by surface |
 | ``screen(result, found, console)`` | prints what a user wants first |
+| ``files(job, asked)`` | names of the files that may come of a job's inspections, known before it is run |
 """
 
 from __future__ import annotations
 
 from importlib import import_module
 from types import ModuleType
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-from gearsim.result import Result
+from numpy.typing import NDArray
+
+if TYPE_CHECKING:
+    from gearsim.metrology.job import Job
+    from gearsim.result import Result
 
 SLOTS = ("first", "costs", "trust", "findings", "notes", "beside", "convergence", "details")
 
@@ -40,6 +45,15 @@ _MODULES = {
     "ContactMeasurement": "gouging.contact",
     "WorkedMeasurement": "gouging.worked",
 }
+_GIVEN = {  # by inspections, where the measurements have other names
+    "GearProbing": ("GearMeasurement",),
+    "GridInspection": ("GridMeasurement", "ConvergenceMeasurement"),
+    "RootInspection": ("GridMeasurement",),
+    "GougingInspection": ("GridMeasurement", "GougingMeasurement"),
+    "SpaceInspection": ("DexelMeasurement",),
+    "RapidInspection": (),
+}
+_OF_THE_JOB = "motions"
 
 
 def presented(result: Result) -> list[tuple[ModuleType, list[Any]]]:
@@ -51,7 +65,19 @@ def presented(result: Result) -> list[tuple[ModuleType, list[Any]]]:
     if unknown:
         raise LookupError(f"no presenter for {', '.join(sorted(unknown))}")
     own = [(_module(name), by_class[name]) for name in _MODULES if name in by_class]
-    return [*own, (import_module("gearsim.output.motions"), [])]
+    return [*own, (import_module(f"gearsim.output.{_OF_THE_JOB}"), [])]
+
+
+def promised(job: Job) -> list[str]:
+    """The names of the files that may come of a job's inspections, and of the job itself, each once."""
+    asked: dict[str, list[Any]] = {}
+    for inspection in job.inspections:
+        kind = type(inspection).__name__
+        for given in _GIVEN.get(kind, (kind.replace("Inspection", "Measurement"),)):
+            asked.setdefault(_MODULES[given], []).append(inspection)
+    modules = [(import_module(f"gearsim.output.{name}"), found) for name, found in (asked | {_OF_THE_JOB: []}).items()]
+    names = [module.files(job, found) for module, found in modules if hasattr(module, "files")]
+    return list(dict.fromkeys(name for some in names for name in some))
 
 
 def presenter(measurement: Any) -> ModuleType:
@@ -79,6 +105,14 @@ def collected(result: Result, function: str, *arguments: Any) -> list[Any]:
         for module, found in presented(result)
         if hasattr(module, function)
     ]
+
+
+def arrays(result: Result) -> dict[str, NDArray]:
+    """All that the 3D pictures and tooth.vtp are made of, by name."""
+    data: dict[str, NDArray] = {}
+    for given in collected(result, "layers"):
+        data |= given
+    return data
 
 
 def slug(name: str) -> str:

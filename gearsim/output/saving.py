@@ -7,9 +7,11 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, NamedTuple
 
+import numpy as np
+
 from gearsim.output.wanted import EVERYTHING, Wanted
 
-_PNG_LEVEL = 4  # of zlib's 9: half the time of its usual 6, files a twentieth larger
+_PNG_LEVEL = 3  # of zlib's 9: half the time of its usual 6, files a tenth larger
 
 
 @dataclass(frozen=True)
@@ -23,9 +25,21 @@ class Save:
         from matplotlib import pyplot
 
         for file in filter(self.wanted.file, self.wanted.chart_files(name)):
-            options = {"pil_kwargs": {"compress_level": _PNG_LEVEL}} if file == name else {}
-            figure.savefig(self.folder / file, dpi=dpi, **options)
+            if file == name:
+                write_png(figure, self.folder / file, dpi)
+            else:
+                figure.savefig(self.folder / file, dpi=dpi)
         pyplot.close(figure)
+
+
+def write_png(figure: Any, file: Path, dpi: float) -> None:
+    """Draw a figure on an opaque page: three channels are written faster than four."""
+    from PIL import Image
+
+    figure.set_dpi(dpi)
+    figure.canvas.draw()
+    pixels = np.asarray(figure.canvas.buffer_rgba())[..., :3]
+    Image.fromarray(np.ascontiguousarray(pixels)).save(file, compress_level=_PNG_LEVEL)
 
 
 class Chart(NamedTuple):

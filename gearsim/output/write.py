@@ -3,19 +3,20 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterator
+from collections.abc import Sequence
 from fnmatch import fnmatchcase
 from math import inf
 from pathlib import Path
 
 from gearsim.errors import InputError
-from gearsim.output.charts import all_charts
+from gearsim.metrology.job import Job
 from gearsim.output.columns import Column
+from gearsim.output.drawer import PICTURES
 from gearsim.output.exr import stated, write_exr
-from gearsim.output.files import LAST
+from gearsim.output.files import LAST, SAMPLES
 from gearsim.output.markdown import write_report
 from gearsim.output.painting import Painters
-from gearsim.output.presenters import collected
+from gearsim.output.presenters import collected, promised
 from gearsim.output.report import report_text
 from gearsim.output.summary import summary, write_json
 from gearsim.output.table import write_parquet
@@ -23,51 +24,50 @@ from gearsim.output.wanted import Wanted
 from gearsim.result import Result
 
 REPORTS = (LAST, "report.md", "report.html")
-SAMPLES = "samples.parquet"
 
 
 def write_result(result: Result, stage: Path, painters: Painters | None = None) -> list[str]:
     """Write the files of a run into a scratch folder; returns what could not be drawn, one line each.
 
     ``painters`` are the drawing processes, where they were started ahead of time; they know what is wanted, by default
-    everything. Raises InputError for a name or pattern that is wanted and that no file of this run bears.
+    everything. A name that is wanted and that the job promised, but that nothing came of, is one of those lines.
     """
     painters = painters or Painters()
     wanted = painters.wanted
-    _refuse_unknown(result, wanted)
     painters.draw(result, stage)
     _write_data(result, stage, wanted)
     captions, missing = painters.finish()
+    missing += _empty(result, stage, wanted)
     if any(map(wanted.file, REPORTS)):
         _write_reports(result, stage, wanted, captions, missing)
     return missing
 
 
-def _refuse_unknown(result: Result, wanted: Wanted) -> None:
-    unknown = set(wanted.only)
-    for name in _all_names(result, wanted) if unknown else ():
-        unknown -= {pattern for pattern in unknown if fnmatchcase(name, pattern)}
-        if not unknown:
-            return
+def refuse_unknown(job: Job, wanted: Wanted) -> None:
+    """Raises InputError for a name or pattern that is wanted and that no file of a job's run can bear."""
+    if not wanted.only:
+        return
+    names = [*REPORTS, *job.files, *_formats(promised(job), wanted)]
+    unknown = [pattern for pattern in wanted.only if not any(fnmatchcase(name, pattern) for name in names)]
     if unknown:
-        known = ", ".join(sorted(_all_names(result, wanted)))
-        raise InputError(f"--only {', '.join(sorted(unknown))}: no file of this run has that name; there are {known}")
+        known = ", ".join(sorted(names))
+        raise InputError(f"--only {', '.join(unknown)}: no file of this run has that name; there are {known}")
 
 
-def _all_names(result: Result, wanted: Wanted) -> Iterator[str]:
-    """Every file the run could leave, apart from formats that were not asked for; the cheapest to tell first."""
-    yield from REPORTS
-    yield from result.job.files
-    yield from _maps(result)
-    if wanted.pictures:
-        for chart in all_charts(result):
-            yield from wanted.chart_files(chart.file)
-    if _tables(result):
-        yield SAMPLES
-    if wanted.pictures:
-        from gearsim.output.drawer import solid_files
+def _formats(names: Sequence[str], wanted: Wanted) -> list[str]:
+    """Names, those of charts in all formats that are asked for; without pictures where none are wanted."""
+    out = [name for name in names if not name.endswith(".png")]
+    solid = {picture.file for picture in PICTURES}
+    for name in names if wanted.pictures else ():
+        if name.endswith(".png"):
+            out += [name] if name in solid else wanted.chart_files(name)
+    return out
 
-        yield from solid_files(result)
+
+def _empty(result: Result, stage: Path, wanted: Wanted) -> list[str]:
+    """Names that are wanted, one by one, and promised by the job, and that nothing came of."""
+    named = [name for name in _formats(promised(result.job), wanted) if name in wanted.only]
+    return [f"{name}: nothing to show in it" for name in named if not (stage / name).exists()]
 
 
 def _write_reports(

@@ -26,12 +26,11 @@ def folder(result, tmp_path_factory):
 @pytest.fixture
 def texts(monkeypatch):
     """Texts of the figures that are saved, as [(text, box in pixels)]; the file is not written."""
-    from matplotlib.figure import Figure
     from matplotlib.text import Text
 
     seen = []
 
-    def look(figure, file, **_):
+    def look(figure, *_):
         figure.draw_without_rendering()
         unseen = set()
         for axis in (axis for axes in figure.axes for axis in (axes.xaxis, axes.yaxis)):
@@ -44,5 +43,5 @@ def texts(monkeypatch):
         outside = [t for t, b in seen[-1] if min(b.x0, b.y0) < 0 or b.x1 > page.x1 or b.y1 > page.y1]
         assert not outside
 
-    monkeypatch.setattr(Figure, "savefig", look)
+    monkeypatch.setattr("gearsim.output.saving.write_png", look)
     return seen

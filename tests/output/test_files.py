@@ -12,8 +12,8 @@ import pytest
 
 from gearsim.errors import InputError
 from gearsim.metrology.grid import DENSE
-from gearsim.output.drawer import _save
 from gearsim.output.files import into, staged
+from gearsim.output.meshes import write_vtp
 from gearsim.output.painting import Painters
 from gearsim.output.wanted import Wanted
 from gearsim.output.write import write_result
@@ -233,7 +233,7 @@ def test_a_mesh_that_finds_no_room_ends_no_process(tmp_path):
     resource.setrlimit(resource.RLIMIT_FSIZE, (1000, hard))
     try:
         with pytest.raises(OSError, match="File too large"):
-            _save(pv.Sphere(), tmp_path / "tooth.vtp")
+            write_vtp(pv.Sphere(), {"scene": "a"}, tmp_path / "tooth.vtp")
     finally:
         resource.setrlimit(resource.RLIMIT_FSIZE, (soft, hard))
 

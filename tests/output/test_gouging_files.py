@@ -8,8 +8,9 @@ import pytest
 from gearsim.output.columns import Column
 from gearsim.output.drawer import patch_meshes
 from gearsim.output.exr import header, write_exr
-from gearsim.output.presenters import collected
-from gearsim.output.write import write_result
+from gearsim.output.meshes import values_of
+from gearsim.output.presenters import arrays, promised
+from gearsim.output.write import REPORTS, write_result
 from gearsim.processes.run import run
 from gearsim.scene import check_scene
 from gearsim.surfaces.nurbs_file import load_surfaces, write_surfaces
@@ -40,18 +41,19 @@ def test_one_tool_is_drawn_on_one_surface_whatever_its_name(tmp_path, name):
     result = cut(tmp_path, name)
     assert write_result(result, tmp_path) == []
     assert (tmp_path / "surface.png").stat().st_size > 10_000
+    left = {f.name for f in tmp_path.iterdir()} - {"surface.json"}
+    assert left <= {*REPORTS, *promised(result.job)}
     assert pv.read(tmp_path / "tooth.vtp").n_points == ROWS * COLUMNS
 
 
 def test_every_tool_has_its_surface_once_the_main_one_first(tmp_path):
     result = cut(tmp_path, larger={**BALL, "diameter_mm": 30.0})
-    data = {key: value for arrays in collected(result, "layers") for key, value in arrays.items()}
-    meshes = list(patch_meshes(data).values())
+    shown = [values_of(mesh, "deviation_um") for mesh in patch_meshes(arrays(result)).values()]
     tools = [m for key, m in result.measurements.items() if key[2] == "gouging"]
     assert [m.variant for m in tools] == ["chosen tool", "larger tool"]
-    for mesh, m in zip(meshes, tools, strict=True):
-        np.testing.assert_array_equal(np.sort(mesh["deviation_um"]), np.sort(1e3 * m.cut.deviation.value, axis=None))
-    assert len({mesh["deviation_um"].tobytes() for mesh in meshes}) == 2
+    for um, m in zip(shown, tools, strict=True):
+        np.testing.assert_array_equal(np.sort(um), np.sort(1e3 * m.cut.deviation.value, axis=None))
+    assert len({um.tobytes() for um in shown}) == 2
 
 
 def test_a_report_claims_two_roads_only_where_two_were_taken(tmp_path):

@@ -14,7 +14,8 @@ from rich.table import Table
 from gearsim.metrology.gear_inspection import FlankMap, GearInspection, largest
 from gearsim.metrology.gear_iso import GearMeasurement
 from gearsim.metrology.gear_traces import GearTraces
-from gearsim.metrology.grid import DENSE, GridMeasurement
+from gearsim.metrology.grid import DENSE, GridInspection, GridMeasurement
+from gearsim.metrology.job import Job
 from gearsim.output.gear.pitch import draw_pitch
 from gearsim.output.gear.sheet import inspection_sheet
 from gearsim.output.gear.topography import draw_topography
@@ -29,6 +30,14 @@ from gearsim.surfaces.cylindrical_gear import SIDES, CylindricalGear, Side
 STATIONS = {"top": 0, "middle": 1, "bottom": 2, "root": 0, "pitch": 1, "tip": 2}
 PARTS = ("slope", "form", "total")
 _HEADS = [f"{name} {whose}" for name in ("f_H", "f_f", "F") for whose in ("measured", "ours")]
+
+
+def files(job: Job, _: Any) -> list[str]:
+    """The sheet and what it sums up; the topography, where both flanks are measured."""
+    grids = [i for i in job.inspections if isinstance(i, GridInspection) and i.name == DENSE]
+    flanks = {i.surface for i in grids if job.main in i.variants}
+    topography = ["topography.png"] if flanks.issuperset(SIDES) else []
+    return ["inspection.png", "profile.png", "helix.png", "pitch.png", *topography]
 
 
 def figures(m: GearMeasurement) -> dict[str, Any]:

@@ -8,12 +8,14 @@ from typing import Any
 import numpy as np
 
 from gearsim.metrology.gear_pitch import PitchResult, Runout
-from gearsim.output.gear.style import BAND, LIMIT, NOISE_UM, OUT, SIDE_COLOURS, SYMBOLS, Unit, plain, unit_for
+from gearsim.output.colours import BAND, OUT
+from gearsim.output.gear.style import LIMIT, NOISE_UM, SIDE_COLOURS, SYMBOLS, Unit, plain, unit_for
 from gearsim.output.panels import page
 from gearsim.output.saving import Save
 from gearsim.surfaces.cylindrical_gear import SIDES, Side
 
 _BAND_LIMIT = 3.0
+_NUMBERED = 8  # spaces, at most
 _MICROMETRES = Unit("µm", 1.0, 2)
 
 
@@ -22,7 +24,7 @@ def draw_pitch(
 ) -> None:
     """One page: single pitches as bars above, the cumulative pitch below, left flanks left."""
     unit = unit_for(runout.radial_um)
-    heading = f"{title}   (runout $F_r$ = {unit.text(runout.total)} {unit.name})"
+    heading = f"{title}   (runout Fr = {unit.text(runout.total)} {unit.name})"
     figure, axes = page(2, 2, (5.5, 2.6), title=heading)
     draw_pitch_panels(axes, pitch, tolerances_um, 9.0)
     save(figure, "pitch.png", 130)
@@ -58,7 +60,7 @@ def _labels(axis: Any, what: str, found: float, unit: Unit, tolerance: float, fo
     out = bool(found > tolerance)
     value = f"{unit.text(found)} {unit.name}" if np.isfinite(found) else "not measured"
     axis.set_title(
-        f"{what} = {value}  (tolerance {tolerance:g} µm)", fontsize=1.05 * font, loc="left",
+        f"{what} = {value}  (tolerance {tolerance:g} µm)", fontsize=1.05 * font, loc="left", y=1.02,
         color=OUT if out else "k", weight="bold" if out else "normal",
     )  # fmt: skip
     axis.set_ylabel(f"[{unit.name}]", fontsize=font)
@@ -71,7 +73,13 @@ def _bars(axis: Any, um: Any, unit: Unit, side: Side, tolerance: float) -> None:
     y, limit = unit.per_um * um, unit.per_um * tolerance
     if limit <= _BAND_LIMIT * np.nanmax(np.abs(y), initial=0.0):
         axis.axhspan(-limit, limit, color=BAND, lw=0)
-    axis.bar(np.arange(1, len(y) + 1), y, width=0.7, color=[OUT if abs(v) > limit else SIDE_COLOURS[side] for v in y])
+    from matplotlib.collections import PolyCollection
+
+    x = np.arange(1.0, len(y) + 1.0)
+    bars = np.stack([x - 0.35, 0.0 * y, x - 0.35, y, x + 0.35, y, x + 0.35, 0.0 * y], axis=1).reshape(-1, 4, 2)
+    colours = np.where(np.abs(y) > limit, OUT, SIDE_COLOURS[side])
+    axis.add_collection(PolyCollection(list(bars), facecolors=list(colours), linewidths=0))
+    axis.autoscale_view()
     axis.axhline(0.0, color="0.3", lw=0.7)
     _number_spaces(axis, len(y))
 
@@ -91,7 +99,7 @@ def _line(axis: Any, um: Any, unit: Unit, side: Side, tolerance: float) -> None:
 
 
 def _number_spaces(axis: Any, count: int) -> None:
-    step = next(s for s in (1, 2, 5, 10, 20, 50, 100) if count <= 16 * s)
+    step = next(s for s in (1, 2, 5, 10, 20, 50, 100) if count <= _NUMBERED * s)
     axis.set_xticks([1, *range(step if step > 1 else 2, count + 1, step)])
     axis.set_xlim(0.3, count + 0.7)
 

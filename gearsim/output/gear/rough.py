@@ -17,6 +17,10 @@ from gearsim.result import Result
 _NAMES = {"ra": "ra_um", "rq": "rq_um", "rz": "rz_um", "ten_point": "ten_point_um"}
 
 
+def files(*_: Any) -> list[str]:
+    return ["roughness.png"]
+
+
 def figures(m: RoughnessMeasurement) -> dict[str, Any]:
     return {name: _trace(trace) for name, trace in m.traces.items()}
 

@@ -8,7 +8,8 @@ from typing import Any
 import numpy as np
 
 from gearsim.metrology.roughness import Roughness
-from gearsim.output.gear.style import BAND, LIMIT, MEAN, NOISE_UM, TRACE, Unit, plain, unit_for
+from gearsim.output.colours import BAND
+from gearsim.output.gear.style import LIMIT, MEAN, NOISE_UM, TRACE, Unit, plain, unit_for
 from gearsim.output.panels import page
 from gearsim.output.saving import Save
 
@@ -30,7 +31,7 @@ def _before(axis: Any, name: str, trace: Roughness) -> None:
     unit = unit_for(trace.primary_um)
     axis.plot(trace.position, unit.per_um * trace.primary_um, color=TRACE, lw=0.9, label="form removed")
     axis.plot(trace.position, unit.per_um * trace.waviness_um, color=MEAN, lw=1.3, label="waviness")
-    axis.set_title(name, fontsize=10, loc="left", weight="bold")
+    axis.set_title(name, fontsize=10, loc="left", weight="bold", y=1.02)
     axis.legend(fontsize=8, loc="upper right", ncols=2, frameon=False, bbox_to_anchor=(1.0, 1.16))
     _dress(axis, trace, unit)
 
@@ -43,7 +44,7 @@ def _after(axis: Any, trace: Roughness) -> None:
         for edge in np.linspace(trace.first, trace.last, trace.sections + 1):
             axis.axvline(edge, color=LIMIT, lw=0.6, ls=":")
     axis.plot(trace.position, unit.per_um * trace.roughness_um, color=TRACE, lw=0.9)
-    axis.set_title(_numbers(trace), fontsize=9.5, loc="left")
+    axis.set_title(_numbers(trace), fontsize=9.5, loc="left", y=1.02)
     if trace.status:
         low, high = axis.get_ylim()
         axis.set_ylim(low - 0.15 * (high - low), high)

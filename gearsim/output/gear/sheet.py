@@ -9,8 +9,9 @@ from typing import Any
 import numpy as np
 
 from gearsim.metrology.gear_inspection import GearInspection, InspectionRow
+from gearsim.output.colours import OUT
 from gearsim.output.gear.pitch import draw_pitch_panels
-from gearsim.output.gear.style import OUT, SYMBOLS, unit_for
+from gearsim.output.gear.style import SYMBOLS, unit_for
 from gearsim.output.gear.traces import draw_trace_panels
 from gearsim.output.panels import pyplot
 from gearsim.output.saving import Save
@@ -38,7 +39,7 @@ def inspection_sheet(inspection: GearInspection, save: Save) -> None:
     _heading(figure, 3.2, "Pitch")
     rows = [[_place(figure, x, bottom, _PANEL, 0.95) for x in _columns()] for bottom in (1.8, 0.42)]
     draw_pitch_panels(np.array(rows), inspection.pitch, tolerances, 6.5)
-    save(figure, "inspection.png", 150)
+    save(figure, "inspection.png", 140)
 
 
 def _columns() -> tuple[float, float]:

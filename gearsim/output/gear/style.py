@@ -9,12 +9,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-TRACE, MEAN, BAND, LIMIT, OUT = "#1b3a5c", "#d1495b", "#dcebdd", "#7a7f87", "#c1121f"
-SIDE_COLOURS = {"left": "#2e6f95", "right": "#8a5a44"}
-SYMBOLS = {
-    "f_p": r"$f_p$", "F_p": r"$F_p$",
-    "f_Halpha": r"$f_{H\alpha}$", "f_falpha": r"$f_{f\alpha}$", "F_alpha": r"$F_{\alpha}$",
-    "f_Hbeta": r"$f_{H\beta}$", "f_fbeta": r"$f_{f\beta}$", "F_beta": r"$F_{\beta}$",
+from gearsim.output.colours import FIRST, SECOND
+
+TRACE, MEAN, LIMIT = "#1b3a5c", "#c8791b", "#7a7f87"
+SIDE_COLOURS = {"left": FIRST, "right": SECOND}
+SYMBOLS = {  # as measuring machines print them; to set them as formulae takes longer than to draw a page
+    "f_p": "fp", "F_p": "Fp", "f_Halpha": "fHα", "f_falpha": "ffα", "F_alpha": "Fα",
+    "f_Hbeta": "fHβ", "f_fbeta": "ffβ", "F_beta": "Fβ",
 }  # fmt: skip
 NOISE_UM = 1e-4
 

@@ -10,18 +10,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gearsim.metrology.gear_inspection import FlankMap
+from gearsim.output.colours import EXCESS, OVERCUT
 from gearsim.output.contours import draw_contours
-from gearsim.output.gear.style import (
-    NOISE_UM,
-    OUT,
-    SIDE_COLOURS,
-    TRACE,
-    Unit,
-    plain,
-    round_text,
-    unit_for,
-)
-from gearsim.output.heat import paint
+from gearsim.output.gear.style import NOISE_UM, TRACE, Unit, plain, round_text, unit_for
+from gearsim.output.heat import averaged, paint
 from gearsim.output.panels import Room, page
 from gearsim.output.rounding import round_below
 from gearsim.output.saving import Save
@@ -57,7 +49,7 @@ def whiskers(axis: Any, flank: FlankMap, gear: CylindricalGear, unit: Unit, larg
         ([*np.stack([x, tips], -1)], TRACE, 1.1),
     ):
         axis.add_collection(LineCollection(lines, colors=colour, linewidths=width))
-    colours = np.where(um.ravel() < 0.0, SIDE_COLOURS["left"], OUT)
+    colours = np.where(um.ravel() < 0.0, OVERCUT, EXCESS)
     axis.vlines(x.ravel(), level.ravel(), tips.ravel(), colors=list(colours), lw=2.2)
     bar = round_below(largest)
     right = flank.z.max() + 0.05 * np.ptp(flank.z)
@@ -70,14 +62,12 @@ def whiskers(axis: Any, flank: FlankMap, gear: CylindricalGear, unit: Unit, larg
 
 
 def _heat(axis: Any, flank: FlankMap, gear: CylindricalGear, unit: Unit, largest: float) -> None:
-    """The whole map, with contours of the map smoothed along the face (feed marks would fill it)."""
-    from scipy.ndimage import gaussian_filter1d  # the run itself needs the names of pictures only
-
+    """The whole map, with contours of the map averaged (feed marks would fill it)."""
     angle = np.degrees(flank.position / gear.base_radius)
     shown = unit.per_um * flank.deviation_um
     limit = unit.per_um * largest
     paint(axis, flank.z, angle, shown, limit, unit.name)
-    smooth = gaussian_filter1d(shown, shown.shape[1] / 40.0, axis=1, mode="nearest")
+    smooth = averaged(shown)
     known = smooth[np.isfinite(smooth)]
     if known.size and np.ptp(known) > 0.2 * limit:
         draw_contours(axis, flank.z, angle, smooth)
@@ -91,7 +81,7 @@ def _labels(axis: Any, flank: FlankMap, unit: Unit) -> None:
     span = f"{unit.text(known.min(), True)} to {unit.text(known.max(), True)} {unit.name}" if known.size else "none"
     axis.set_title(
         f"{flank.side} flank, space {flank.space + 1}: {span}" + (f", {missing} points missing" if missing else ""),
-        fontsize=10, loc="left",
+        fontsize=10, loc="left", y=1.02,
     )  # fmt: skip
     axis.set_xlabel("z [mm], datum face at the right", fontsize=9)
     axis.set_ylabel("roll angle [°], tip up", fontsize=9)

@@ -8,26 +8,15 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from math import degrees
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from gearsim.metrology.gear_traces import GearTraces, TraceDeviations
-from gearsim.output.gear.style import (
-    BAND,
-    LIMIT,
-    MEAN,
-    NOISE_UM,
-    OUT,
-    SYMBOLS,
-    TRACE,
-    Unit,
-    evenly,
-    round_text,
-    unit_for,
-)
+from gearsim.output.colours import BAND, OUT
+from gearsim.output.gear.style import LIMIT, MEAN, NOISE_UM, SYMBOLS, TRACE, Unit, evenly, round_text, unit_for
+from gearsim.output.gear.trace_labels import ROW, above, axis_labels, below
 from gearsim.output.panels import pyplot
 from gearsim.output.rounding import round_below
 from gearsim.output.saving import Save
@@ -78,7 +67,7 @@ def draw_trace_panels(
     scale = _scale(traces.values(), tolerances_um)
     for axis, side in zip(axes, SIDES, strict=True):
         _panel(axis, traces[side], tolerances_um, scale, font)
-        _axis_labels(axis, traces[side], gear, font)
+        axis_labels(axis, traces[side], gear, font)
 
 
 def _scale(traces: Any, tolerances_um: Mapping[str, float]) -> TraceScale:
@@ -100,32 +89,74 @@ def _scale(traces: Any, tolerances_um: Mapping[str, float]) -> TraceScale:
 def _panel(axis: Any, traces: GearTraces, tolerances_um: Mapping[str, float], scale: TraceScale, font: float) -> None:
     """Band, nominal line, trace and mean line of every column, with what belongs above and below."""
     found = traces.evaluated()
-    outward = -1.0 if traces.side == "left" else 1.0
-    centred, mean, span = _centred(traces, found), _mean(found), traces.span
+    tolerance = tolerances_um[f"F_{_LETTER[traces.kind]}"]
     shown = evenly(len(traces.teeth), TEETH)
     stations = len(traces.stations)
     places = np.array([[g * (stations + _GAP) + k for k in range(stations)] for g in range(len(shown))])
-    half_band = 0.5 * tolerances_um[f"F_{_LETTER[traces.kind]}"] / scale.um * _HALF
+    if scale.band:
+        _bands(axis, traces, found, shown, places, 0.5 * tolerance / scale.um * _HALF, scale)
+    _lines(axis, traces, found, shown, places, scale.um)
     for (g, k), x in np.ndenumerate(places):
-        tooth = shown[g]
-        curve = centred[tooth, k] / scale.um
-        if scale.band and found.complete[tooth, k]:
-            part = curve[_evaluated(traces)]
-            middle = x + outward * _HALF * 0.5 * (part.min() + part.max())
-            axis.fill_betweenx([span.first, span.last], middle - half_band, middle + half_band, color=BAND, lw=0)
-        axis.plot([x, x], [span.start, span.end], color="0.6", lw=0.6)
-        curve = np.where(np.abs(curve) <= 1.12, curve, np.nan)
-        axis.plot(x + outward * _HALF * curve, traces.position, color=TRACE, lw=1.1)
-        line = (found.line_um[tooth, k] - mean[tooth, k]) / scale.um
-        axis.plot(x + outward * _HALF * line, [span.start, span.end], color=MEAN, lw=0.9, ls=(0, (5, 2)))
-        _numbers(axis, x, traces, found, (tooth, k), tolerances_um, scale, font)
-        _above(axis, x, _station(traces, k), 1, font)
+        _numbers(axis, x, traces, found, (shown[g], k), tolerances_um, scale, font)
+        above(axis, x, _station(traces, k), 1, font)
     for g, tooth in enumerate(shown):
-        _above(axis, places[g].mean(), f"space {traces.teeth[tooth] + 1}", 2, font, weight="bold")
-    for limit in (span.first, span.last):
+        above(axis, places[g].mean(), f"space {traces.teeth[tooth] + 1}", 2, font, weight="bold")
+    for limit in (traces.span.first, traces.span.last):
         axis.axhline(limit, color=LIMIT, lw=0.7, ls=":")
-    _frame(axis, traces, scale, tolerances_um, (places.min() - 0.6, places.max() + 0.6), font)
+    end = places.max() if scale.band else places.max() + 1.5
+    if not scale.band:
+        _all_in_band(axis, end, traces, found, shown, tolerance, font)
+    _frame(axis, traces, scale, tolerance, (places.min() - 0.6, end + 0.6), font)
     _row_labels(axis, traces.kind, scale, font)
+
+
+def _outward(traces: GearTraces) -> float:
+    return -_HALF if traces.side == "left" else _HALF
+
+
+def _bands(
+    axis: Any, traces: GearTraces, found: TraceDeviations, shown: list[int], places: NDArray, half: float,
+    scale: TraceScale,
+) -> None:  # fmt: skip
+    """The tolerance band of complete traces, about their middle; ``half`` is half its width."""
+    span = traces.span
+    part = _centred(traces, found)[shown][..., _evaluated(traces)] / scale.um
+    middle = places + _outward(traces) * 0.5 * (part.min(axis=-1) + part.max(axis=-1))
+    for x in middle[found.complete[shown]]:
+        axis.fill_betweenx([span.first, span.last], x - half, x + half, color=BAND, lw=0)
+
+
+def _lines(
+    axis: Any, traces: GearTraces, found: TraceDeviations, shown: list[int], places: NDArray, um: float
+) -> None:  # fmt: skip
+    """Nominal lines, traces and mean lines at their places; ``um`` is half a column's width."""
+    from matplotlib.collections import LineCollection
+
+    ends = np.array([traces.span.start, traces.span.end])
+    curve = _centred(traces, found)[shown] / um
+    curve = places[..., None] + _outward(traces) * np.where(np.abs(curve) <= 1.12, curve, np.nan)
+    mean = (found.line_um - _mean(found)[..., None])[shown] / um
+    mean = places[..., None] + _outward(traces) * mean
+    nominal = np.repeat(places[..., None], 2, axis=-1)
+    for x, y, colour, width, dashes in (
+        (nominal, ends, "0.6", 0.6, "-"),
+        (curve, traces.position, TRACE, 1.1, "-"),
+        (mean, ends, MEAN, 0.9, (0, (5, 2))),
+    ):
+        lines = np.stack([x, np.broadcast_to(y, x.shape)], axis=-1).reshape(-1, x.shape[-1], 2)
+        axis.add_collection(LineCollection(list(lines), colors=colour, linewidths=width, linestyles=dashes))
+
+
+def _all_in_band(
+    axis: Any, place: float, traces: GearTraces, found: TraceDeviations, shown: list[int], tolerance: float, font: float
+) -> None:  # fmt: skip
+    """A column for all traces at a scale in which the tolerance band is seen."""
+    span, half = traces.span, _HALF / 1.05
+    axis.fill_betweenx([span.first, span.last], place - half, place + half, color=BAND, lw=0)
+    um = 0.5 * tolerance * 1.05
+    _lines(axis, traces, found, shown, np.full((len(shown), len(traces.stations)), place), um)
+    above(axis, place, f"{tolerance:g} µm", 1, font)
+    above(axis, place, "all", 2, font, weight="bold")
 
 
 def _centred(traces: GearTraces, found: TraceDeviations) -> NDArray:
@@ -160,40 +191,27 @@ def _numbers(
     """f_H, f_f, F and the mean under a column; what exceeds its tolerance in red."""
     letter = _LETTER[traces.kind]
     rows = ((f"f_H{letter}", found.slope_um), (f"f_f{letter}", found.form_um), (f"F_{letter}", found.total_um))
-    for i, (name, values) in enumerate(rows):
-        out = abs(values[at]) > tolerances_um[name]
-        style = {"color": OUT, "weight": "bold"} if out else {"color": "k"}
-        _below(axis, x, scale.unit.text(values[at]), i, font, **style)
-    _below(axis, x, scale.mean_unit.text(_mean(found)[at]), 3, font, color="0.45")
+    texts = [scale.unit.text(values[at]) for _, values in rows]
+    if any(abs(values[at]) > tolerances_um[name] for name, values in rows):
+        for i, (text, (name, values)) in enumerate(zip(texts, rows, strict=True)):
+            out = abs(values[at]) > tolerances_um[name]
+            below(axis, x, text, i, font, **({"color": OUT, "weight": "bold"} if out else {}))
+    else:
+        below(axis, x, "\n".join(texts), 0, font)
+    below(axis, x, scale.mean_unit.text(_mean(found)[at]), 3, font, color="0.45")
 
 
 def _row_labels(axis: Any, kind: str, scale: TraceScale, font: float) -> None:
     letter = _LETTER[kind]
     left = axis.get_xlim()[0]
-    for i, name in enumerate((f"f_H{letter}", f"f_f{letter}", f"F_{letter}")):
-        _below(axis, left, f"{SYMBOLS[name]} [{scale.unit.name}]", i, font, ha="right")
-    _below(axis, left, f"mean [{scale.mean_unit.name}]", 3, font, ha="right", color="0.45")
-    _above(axis, left, "z [mm]" if kind == "profile" else "d [mm]", 1, font, ha="right")
-
-
-def _below(axis: Any, x: float, text: str, row: float, font: float, ha: str = "center", **style: Any) -> None:
-    offset = (0.0, -(0.7 + 1.45 * row) * font)
-    axis.annotate(
-        text, (x, 0.0), xycoords=axis.get_xaxis_transform(), xytext=offset, textcoords="offset points", ha=ha,
-        va="top", fontsize=0.92 * font, annotation_clip=False, **style,
-    )  # fmt: skip
-
-
-def _above(axis: Any, x: float, text: str, row: float, font: float, ha: str = "center", **style: Any) -> None:
-    axis.annotate(
-        text, (x, 1.0), xycoords=axis.get_xaxis_transform(), xytext=(0.0, (1.45 * row - 0.95) * font),
-        textcoords="offset points", ha=ha, va="bottom", fontsize=0.92 * font, annotation_clip=False, **style,
-    )  # fmt: skip
+    names = (f"f_H{letter}", f"f_f{letter}", f"F_{letter}")
+    below(axis, left, "\n".join(f"{SYMBOLS[name]} [{scale.unit.name}]" for name in names), 0, font, ha="right")
+    below(axis, left, f"mean [{scale.mean_unit.name}]", 3, font, ha="right", color="0.45")
+    above(axis, left, "z [mm]" if kind == "profile" else "d [mm]", 1, font, ha="right")
 
 
 def _frame(
-    axis: Any, traces: GearTraces, scale: TraceScale, tolerances_um: Mapping[str, float],
-    x: tuple[float, float], font: float,
+    axis: Any, traces: GearTraces, scale: TraceScale, tolerance: float, x: tuple[float, float], font: float
 ) -> None:  # fmt: skip
     """Limits, title and scale bar."""
     span = traces.span
@@ -203,18 +221,17 @@ def _frame(
     axis.spines[["top", "bottom"]].set_color("0.8")
     axis.spines[["left", "right"]].set_color("0.8")
     axis.tick_params(labelsize=font, width=0.6, color="0.5")
-    _above(axis, 0.5 * sum(x), f"{traces.side} flanks", 3, 1.12 * font, weight="bold")
+    above(axis, 0.5 * sum(x), f"{traces.side} flanks", 3, 1.12 * font, weight="bold")
     if traces.side == "left":
-        _above(axis, x[0], "◀ extra material", 3, font, ha="left", color="0.35")
+        above(axis, x[0], "◀ extra material", 3, font, ha="left", color="0.35")
     else:
-        _above(axis, x[1], "extra material ▶", 3, font, ha="right", color="0.35")
+        above(axis, x[1], "extra material ▶", 3, font, ha="right", color="0.35")
     _scale_bar(axis, x[1] if traces.side == "left" else x[0], scale, font)
-    band = tolerances_um[f"F_{_LETTER[traces.kind]}"]
     symbol = SYMBOLS[f"F_{_LETTER[traces.kind]}"]
-    shown = "band" if scale.band else "not drawn, wider than a column"
-    text = f"tolerance {symbol} = {band:g} µm ({shown});  dashed: mean line;  dotted: evaluated part"
+    shown = "band" if scale.band else "band at each side's last column, in its scale"
+    text = f"tolerance {symbol} = {tolerance:g} µm ({shown});  dashed: mean line;  dotted: evaluated part"
     if traces.side == "left":
-        _below(axis, x[0], text, 4.3, 0.95 * font, ha="left", color="0.35")
+        below(axis, x[0], text, 4.3, 0.95 * font, ha="left", color="0.35")
 
 
 def _scale_bar(axis: Any, end: float, scale: TraceScale, font: float) -> None:
@@ -224,34 +241,8 @@ def _scale_bar(axis: Any, end: float, scale: TraceScale, font: float) -> None:
     um = round_below(scale.um)
     length = _HALF * um / scale.um
     inward = -1.0 if end > axis.get_xlim()[0] + 1e-9 else 1.0
-    raised = offset_copy(axis.get_xaxis_transform(), axis.figure, y=(1.45 * 3 - 0.55) * font, units="points")
+    raised = offset_copy(axis.get_xaxis_transform(), axis.figure, y=(3 * ROW - 0.55) * font, units="points")
     style = {"color": "k", "lw": 1.6, "marker": "|", "ms": 0.8 * font}
     axis.plot([end, end + inward * length], [1.0, 1.0], transform=raised, clip_on=False, **style)
     side = "right" if inward < 0.0 else "left"
-    _above(axis, end + inward * (length + 0.15), round_text(scale.unit, um), 3, font, ha=side)
-
-
-def _axis_labels(axis: Any, traces: GearTraces, gear: CylindricalGear, font: float) -> None:
-    """Roll angle at the outer left and diameter at the outer right of profiles; z of helices at the left."""
-    span, side = traces.span, traces.side
-    if side == "right":
-        axis.yaxis.tick_right()
-        axis.yaxis.set_label_position("right")
-    if traces.kind == "helix":
-        axis.set_ylabel("z [mm], datum face up", fontsize=font)
-        return
-    if side == "left":
-        low, high = sorted(degrees(p / gear.base_radius) for p in (span.start, span.end))
-        ticks = _round_ticks(low, high)
-        axis.set_yticks(np.radians(ticks) * gear.base_radius, [f"{t:g}" for t in ticks])
-        axis.set_ylabel("roll angle [°], tip up", fontsize=font)
-        return
-    low, high = sorted(2.0 * gear.radius(np.array([span.start, span.end]) / gear.base_radius))
-    ticks = _round_ticks(low, high)
-    axis.set_yticks(gear.roll(0.5 * ticks) * gear.base_radius, [f"{t:g}" for t in ticks])
-    axis.set_ylabel("diameter [mm], tip up", fontsize=font)
-
-
-def _round_ticks(low: float, high: float) -> NDArray:
-    step = round_below((high - low) / 4.0)
-    return np.arange(np.ceil(low / step - 1e-9), high / step + 1e-9) * step + 0.0
+    above(axis, end + inward * (length + 0.15), round_text(scale.unit, um), 3, font, ha=side)

@@ -10,9 +10,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gearsim.cutters.profile import Profile
-from gearsim.metrology.dexel_check import DexelMeasurement
-from gearsim.metrology.gear_section import SectionMeasurement
-from gearsim.metrology.grid import DENSE, GridMeasurement
+from gearsim.metrology.dexel_check import DexelInspection, DexelMeasurement
+from gearsim.metrology.gear_section import SectionMeasurement, SpaceInspection
+from gearsim.metrology.grid import DENSE, GridInspection, GridMeasurement
+from gearsim.metrology.job import Job
 from gearsim.metrology.samples import SampleGrid
 from gearsim.output.gear.section import draw_section
 from gearsim.output.layers import outline
@@ -23,7 +24,18 @@ from gearsim.simulation.section import Section
 from gearsim.surfaces.reached_flank import ReachedFlank
 
 _ROWS = 300
+_SMOOTH = 0.8  # cells
 _SLIVER = 1e-5  # mm of material: what tools that just meet leave between them
+
+
+def files(job: Job, _: Any) -> list[str]:
+    """The section, where the part is a gear; the gear, where its space is measured, too."""
+    if _flank(job) is None:
+        return []
+    grids = [i for i in job.inspections if isinstance(i, GridInspection)]
+    left = any(i.surface == "left" and job.main in i.variants for i in grids)
+    space = any(isinstance(i, SpaceInspection | DexelInspection) for i in job.inspections)
+    return ["section.png", "gear.png"] if left and space else ["section.png"]
 
 
 def figures(m: SectionMeasurement) -> dict[str, Any]:
@@ -31,7 +43,7 @@ def figures(m: SectionMeasurement) -> dict[str, Any]:
 
 
 def charts(result: Result, found: Sequence[SectionMeasurement]) -> list[Chart]:
-    flank = _flank(result)
+    flank = _flank(result.job)
     if flank is None:
         return []
     draw = partial(draw_section, found[0].section, flank.gear, result.name)
@@ -40,7 +52,7 @@ def charts(result: Result, found: Sequence[SectionMeasurement]) -> list[Chart]:
 
 def layers(result: Result, found: Sequence[SectionMeasurement]) -> dict[str, NDArray]:
     """The gear's section, its space 0 and the tool in it."""
-    flank, dexels = _flank(result), result.measurements.get(("", result.job.main, "tri-dexel"))
+    flank, dexels = _flank(result.job), result.measurements.get(("", result.job.main, "tri-dexel"))
     left = result.measurements.get(("left", result.job.main, DENSE))
     if flank is None or not isinstance(dexels, DexelMeasurement) or not isinstance(left, GridMeasurement):
         return {}
@@ -55,9 +67,9 @@ def layers(result: Result, found: Sequence[SectionMeasurement]) -> dict[str, NDA
     return arrays | _body(dexels, gear.facewidth) | _section(found[0].section) | _tool(flank, left.grid, cutter)
 
 
-def _flank(result: Result) -> ReachedFlank | None:
+def _flank(job: Job) -> ReachedFlank | None:
     """Space 0's left flank, where the part is a gear."""
-    surface = result.job.part.surfaces.get("left")
+    surface = job.part.surfaces.get("left")
     return surface.patch if surface is not None and isinstance(surface.patch, ReachedFlank) else None
 
 
@@ -104,7 +116,9 @@ def _along(left: IntervalSet, place: NDArray, apart: float, endless: bool) -> tu
 
 
 def _section(section: Section) -> dict[str, NDArray]:
-    """The share of material in square cells of the section (y, x), a few of its rays a row."""
+    """The share of material in square cells of the section (y, x), a few of its rays a row, smoothed by a cell."""
+    from scipy.ndimage import gaussian_filter
+
     together = max(1, len(section.y) // _ROWS)
     rows = len(section.y) // together
     size = together * float(np.diff(section.y).mean())
@@ -114,7 +128,7 @@ def _section(section: Section) -> dict[str, NDArray]:
     share = np.zeros((rows + 1, len(edges) - 1))
     np.add.at(share, np.minimum(section.left.ray // together, rows), np.clip(overlap, 0.0, None))
     return {
-        "section:share": share[:rows] / (size * together),
+        "section:share": gaussian_filter(share[:rows] / (size * together), _SMOOTH),
         "section:y": section.y[: rows * together].reshape(rows, together).mean(axis=1),
         "section:x": 0.5 * (edges[:-1] + edges[1:]),
         "section:z": np.array(section.z),

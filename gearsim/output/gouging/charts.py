@@ -11,7 +11,8 @@ from numpy.typing import NDArray
 from gearsim.gouging.attribution import Cause
 from gearsim.gouging.inspection import ToolCut
 from gearsim.metrology.samples import SampleGrid
-from gearsim.output.gouging.curvature import GOUGE, TOOL
+from gearsim.output.colours import GOUGE
+from gearsim.output.gouging.curvature import TOOL
 from gearsim.output.heat import paint, span
 from gearsim.output.panels import Room, page, pyplot
 from gearsim.output.saving import Save
@@ -20,11 +21,12 @@ CAUSES = {
     Cause.NONE: ("#eef0f2", "not overcut"),
     Cause.LOCAL: (GOUGE, "local gouging, as predicted"),
     Cause.TIE: ("#edae49", "tie of second order"),
-    Cause.GLOBAL: ("#2e6f95", "global gouging, from a contact elsewhere"),
+    Cause.GLOBAL: ("#1b9e77", "global gouging, from a contact elsewhere"),
     Cause.UNPREDICTED: ("#000000", "not predicted"),
-    Cause.UNKNOWN: ("#8a2be2", "cut through the window"),
+    Cause.UNKNOWN: ("#6b7280", "cut through the window"),
 }
 _NOISE_UM = 1e-3
+_TIE = 1e-9  # 1/mm
 
 
 def draw_cuts(
@@ -49,6 +51,10 @@ def _axes(axis: Any, grid: SampleGrid) -> tuple[NDArray, NDArray]:
 def _deviation(axis: Any, grid: SampleGrid, cut: ToolCut, label: str) -> None:
     um = 1e3 * cut.deviation.value
     limit = max(float(np.nanmax(np.abs(um), initial=0.0)), _NOISE_UM)
+    if float(np.nanmax(np.abs(um), initial=0.0)) < _NOISE_UM and np.isfinite(um).all():
+        axis.set_axis_off()
+        axis.text(0.0, 0.5, f"{label}\nas intended to 1 nm", fontsize=11)
+        return
     x, y = _axes(axis, grid)
     paint(axis, x, y, um, limit)
     _predicted(axis, grid, cut)
@@ -60,6 +66,11 @@ def _causes(axis: Any, grid: SampleGrid, cut: ToolCut, tolerance_um: float) -> N
     from matplotlib.lines import Line2D
     from matplotlib.patches import Patch
 
+    if cut.made.count(Cause.NONE) == cut.made.cause.size and not _predicts(cut):
+        axis.set_axis_off()
+        nothing = f"nothing is overcut beyond {tolerance_um:g} µm,\nand nothing was predicted to be"
+        axis.text(0.0, 0.5, f"{nothing}\n{_counted(cut)}", fontsize=11)
+        return
     x, y = _axes(axis, grid)
     colours = ListedColormap([c for c, _ in CAUSES.values()])
     norm = BoundaryNorm(np.arange(-0.5, len(CAUSES)), len(CAUSES))
@@ -70,21 +81,31 @@ def _causes(axis: Any, grid: SampleGrid, cut: ToolCut, tolerance_um: float) -> N
     if drawn:
         marks.append(Line2D([], [], color="k", lw=1.4, ls="--", label="border of the contacts predicted to gouge"))
     axis.legend(handles=marks, fontsize=8, loc="upper center", bbox_to_anchor=(0.5, -0.13), ncols=2, frameon=False)
+    axis.set_title(f"what made the overcut beyond {tolerance_um:g} µm\n{_counted(cut)}", fontsize=11)
+
+
+def _counted(cut: ToolCut) -> str:
     q = cut.rings
-    text = (
-        f"what made the overcut beyond {tolerance_um:g} µm\n{len(q.contact):,} contacts cut alone: "
-        f"{int(q.gouging.sum()):,} gouge, {int(q.disagree.sum())} against prediction"
-    )
-    axis.set_title(text, fontsize=11)
+    gouge, against = int(q.gouging.sum()), int(q.disagree.sum())
+    return f"{len(q.contact):,} contacts cut alone: {gouge:,} gouge, {against} against prediction"
 
 
 def _predicted(axis: Any, grid: SampleGrid, cut: ToolCut) -> bool:
     """The border between points where the tool would gouge and where not; False where there is none."""
-    least = np.where(cut.samples.touches, cut.samples.comparison.least, np.nan).reshape(grid.shape)
-    if not (np.nanmin(least, initial=0.0) < -1e-9 and np.nanmax(least, initial=0.0) > 1e-9):
-        return False
-    axis.contour(grid.length, grid.height, least, levels=[-1e-9], colors="k", linewidths=1.4, linestyles="--")
-    return True
+    least = _least(cut)
+    bordered = _predicts(cut) and bool(np.nanmax(least) > _TIE)
+    if bordered:
+        axis.contour(grid.length, grid.height, least, levels=[-_TIE], colors="k", linewidths=1.4, linestyles="--")
+    return bordered
+
+
+def _predicts(cut: ToolCut) -> bool:
+    """Whether the tool is predicted to gouge anywhere."""
+    return bool(np.nanmin(_least(cut), initial=0.0) < -_TIE)
+
+
+def _least(cut: ToolCut) -> NDArray:
+    return np.where(cut.samples.touches, cut.samples.comparison.least, np.nan).reshape(cut.grid.shape)
 
 
 def draw_flat_rule(save: Save) -> None:

@@ -12,8 +12,8 @@ from gearsim.gouging.check import GougeCheck
 from gearsim.gouging.choice import SizeChoice
 from gearsim.gouging.fitting import size_map
 from gearsim.gouging.looked import FaceLook
+from gearsim.output.colours import GOUGE
 from gearsim.output.columns import DECISIONS, YES_NO, Column, key_of_numbers, known
-from gearsim.output.gouging.curvature import GOUGE
 from gearsim.output.gouging.mill_map import draw_sizes
 from gearsim.output.gouging.mills import size_channels
 from gearsim.output.gouging.words import tool_words

@@ -15,6 +15,10 @@ from gearsim.output.summary import number
 from gearsim.result import Result
 
 
+def files(*_: Any) -> list[str]:
+    return ["curvature.png"]
+
+
 def figures(m: ContactMeasurement) -> dict[str, Any]:
     p = m.plotted
     return {

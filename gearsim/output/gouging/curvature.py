@@ -10,13 +10,16 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from gearsim.output.colours import GOUGE
 from gearsim.output.gear.style import plain
 from gearsim.output.panels import pyplot
 from gearsim.output.saving import Save
 
-TOOL, PART, OTHER, GOUGE = "#1b3a5c", "#c8791b", "#5b8e7d", "#d1495b"
+TOOL, PART, OTHER = "#1b3a5c", "#c8791b", "#5b8e7d"
 _ALPHA = np.radians(np.linspace(0.0, 360.0, 721))
 _COLUMNS = 3
+_WIDE, _HIGH = 4.6, 8.4  # inches of a contact
+_HEAD = 0.55
 Curve = Callable[[NDArray], NDArray]
 
 
@@ -53,18 +56,23 @@ class CurvaturePlot:
 
 def draw_curvatures(plots: Sequence[CurvaturePlot], heading: str, zero: str, name: str, save: Save) -> None:
     """One column a contact: polar above, Cartesian below. ``zero`` says which direction is 0 deg."""
-    plt = pyplot()
     columns = 2 if len(plots) == 4 else min(len(plots), _COLUMNS)
     bands = ceil(len(plots) / columns)
-    figure = plt.figure(figsize=(max(4.6 * columns, 7.6), 8.4 * bands + 0.5), constrained_layout=True)
-    grid = figure.add_gridspec(2 * bands, columns, height_ratios=[1.35, 1.0] * bands)
+    width, height = max(_WIDE * columns, 7.6), _HIGH * bands + _HEAD
+    figure = pyplot().figure(figsize=(width, height))
+
+    def place(middle: float, bottom: float, size: tuple[float, float], **options: Any) -> Any:
+        box = (middle - 0.5 * size[0]) / width, bottom / height, size[0] / width, size[1] / height
+        return figure.add_axes(box, **options)
+
     for k, plot in enumerate(plots):
-        row, column = 2 * (k // columns), k % columns
+        band, column = divmod(k, columns)
+        middle, bottom = width * (column + 0.5) / columns, height - _HEAD - _HIGH * (band + 1)
         low, high = _range(plot)
-        _polar(figure.add_subplot(grid[row, column], projection="polar"), plot, low, high)
-        _cartesian(figure.add_subplot(grid[row + 1, column]), plot, low, high, zero)
-    figure.suptitle(heading, fontsize=13, weight="bold")
-    save(figure, name, 120)
+        _polar(place(middle, bottom + 4.05, (3.3, 3.3), projection="polar"), plot, low, high)
+        _cartesian(place(middle + 0.2, bottom + 1.05, (3.55, 2.3)), plot, low, high, zero)
+    figure.suptitle(heading, fontsize=13, weight="bold", y=1.0 - 0.2 / height, va="top")
+    save(figure, name, 110)
 
 
 def _curves(plot: CurvaturePlot) -> list[tuple[str, NDArray, str, float]]:
@@ -101,7 +109,7 @@ def _polar(axis: Any, plot: CurvaturePlot, low: float, high: float) -> None:
     axis.tick_params(labelsize=8, pad=1)
     axis.grid(color="0.88", lw=0.6)
     axis.spines["polar"].set_color("0.7")
-    axis.set_title(f"{plot.title}\n{plot.decision}", fontsize=10, pad=14)
+    axis.set_title(f"{plot.title}\n{plot.decision}", fontsize=10, y=1.12)
 
 
 def _cartesian(axis: Any, plot: CurvaturePlot, low: float, high: float, zero: str) -> None:

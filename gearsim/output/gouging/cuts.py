@@ -28,6 +28,10 @@ from gearsim.result import Result
 from gearsim.surfaces.nurbs import NurbsSurface
 
 
+def files(*_: Any) -> list[str]:
+    return ["gouging.png", "surface.png"]
+
+
 def figures(m: GougingMeasurement) -> dict[str, Any]:
     return _tool(m.cut)
 

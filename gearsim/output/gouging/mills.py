@@ -19,6 +19,10 @@ from gearsim.output.summary import number
 from gearsim.result import Result
 
 
+def files(*_: Any) -> list[str]:
+    return ["tool_size.png", "tool_size.exr"]
+
+
 def figures(m: MillMeasurement) -> dict[str, Any]:
     return size_figures(m.sizes)
 

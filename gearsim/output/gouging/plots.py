@@ -20,7 +20,7 @@ from gearsim.gouging.tensors import principal_tensor, tool_tensor
 from gearsim.output.gouging.curvature import CurvaturePlot, Piece
 
 FROM_TOOL = "the tool's uphill meridian"
-FROM_PART = "the part's greatest curvature, as in print"
+FROM_PART = "the part's greatest curvature"
 
 
 @dataclass(frozen=True)

@@ -8,13 +8,23 @@ from typing import Any
 
 from rich.console import Console
 
-from gearsim.gouging.khan.inspection import WorkedMeasurement
+from gearsim.gouging.khan.inspection import WorkedInspection, WorkedMeasurement
 from gearsim.output.gouging.charts import draw_flat_rule
 from gearsim.output.gouging.curvature import draw_curvatures
 from gearsim.output.gouging.plots import example_sheets
 from gearsim.output.markdown import table
 from gearsim.output.saving import Chart
 from gearsim.result import Result
+
+_FLAT_RULE = "6.3"  # the section with a picture of its own
+
+
+def files(_: Any, asked: Sequence[WorkedInspection]) -> list[str]:
+    if not asked[0].alone:
+        return []
+    sections = asked[0].sections
+    flat = ["flat-end-mill.png"] if _FLAT_RULE in sections else []
+    return [*(sheet.file for sheet in example_sheets(sections) if sheet.plots), *flat]
 
 
 def figures(m: WorkedMeasurement) -> dict[str, Any]:
@@ -51,7 +61,7 @@ def charts(_: Result, found: Sequence[WorkedMeasurement]) -> list[Chart]:
         for sheet in example_sheets(found[0].sections)
         if sheet.plots
     ]  # fmt: skip
-    if "6.3" in found[0].sections:
+    if _FLAT_RULE in found[0].sections:
         caption = "Khan 6.3: the largest flat end mill in a bowl, as printed and rightly"
         offered.append(Chart("flat-end-mill.png", caption, draw_flat_rule))
     return offered
