@@ -18,7 +18,7 @@ from gearsim.scene.catalogue import AnyCutter, AnyMachine
 from gearsim.scene.cylindrical import CylindricalGearTable
 from gearsim.scene.flank_milling import FaceMilledFlankTable, RuledBevelTable
 from gearsim.scene.sculptured import NurbsTable
-from gearsim.scene.tables import Count, Length, Scene, Table
+from gearsim.scene.tables import Count, GridTable, Length, Scene, Table
 
 GCODE = frozenset((".nc", ".ngc", ".tap", ".cnc", ".mpf", ".eia", ".gcode", ".ncc"))
 AnySurface = Annotated[
@@ -69,7 +69,7 @@ class ProgramPathTable(Table):
         return PurePath(self.file).suffix.lower() in GCODE
 
 
-class ProgramMetrologyTable(Table):
+class ProgramMetrologyTable(GridTable):
     """Table [metrology]: a dense grid on every surface; ``judged`` names those that have a tolerance (none: all).
 
     ``root_tolerance_um`` is for cuts into fillets and bottom lands (default: the tolerance), where material may stay.

@@ -13,7 +13,7 @@ from gearsim.scene.bevel import Number
 from gearsim.scene.catalogue import AnyMachine
 from gearsim.scene.cylindrical_paths import EndMillTable, GearPathTable
 from gearsim.scene.program import PostTable
-from gearsim.scene.tables import Count, Length, LengthOrZero, Scene, Table
+from gearsim.scene.tables import Count, GridTable, Length, LengthOrZero, Scene, Table
 from gearsim.surfaces.cylindrical_gear import CylindricalGear
 from gearsim.surfaces.flank_modification import FlankModification, Relief
 from gearsim.toolpaths.cylindrical.settings import Finishing, Settings
@@ -136,7 +136,7 @@ class BudgetTable(Table):
     eccentricity_um: Micrometres = 10.0
 
 
-class GearMetrologyTable(Table):
+class GearMetrologyTable(GridTable):
     """Table [metrology]: the class of ISO 1328-1 asked for, and where the flanks are probed.
 
     ``tolerance_um`` is for the dense map of space 0; ``points`` of a trace; ``spaces`` how many spaces are probed
@@ -160,9 +160,16 @@ class MeasuredTable(Table):
     kind: Literal["profile", "helix"]
     side: Literal["left", "right"]
     stations: tuple[str, ...]
-    slope_um: tuple[float, ...]
-    form_um: tuple[float, ...]
-    total_um: tuple[float, ...]
+    slope_um: tuple[Number, ...]
+    form_um: tuple[Number, ...]
+    total_um: tuple[Number, ...]
+
+    @model_validator(mode="after")
+    def _one_number_a_station(self) -> MeasuredTable:
+        for key in ("slope_um", "form_um", "total_um"):
+            if len(getattr(self, key)) != len(self.stations):
+                raise ValueError(f"{key} has {len(getattr(self, key))} entries for {len(self.stations)} stations")
+        return self
 
 
 class MeasuredTables(Table):
@@ -171,7 +178,7 @@ class MeasuredTables(Table):
     source: str
     note: str = ""
     hours: tuple[LengthOrZero, LengthOrZero] | None = None
-    roughness_um: dict[str, tuple[float, float, float]] = Field(default_factory=dict)
+    roughness_um: dict[str, tuple[LengthOrZero, LengthOrZero, LengthOrZero]] = Field(default_factory=dict)
     tables: tuple[MeasuredTable, ...] = ()
 
 

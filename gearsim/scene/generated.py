@@ -11,12 +11,12 @@ from gearsim.cutters.profile import Profile
 from gearsim.machines.chain import Machine
 from gearsim.scene.bevel import BevelBlankTable, GeneratorTable, HypoidBlankTable, Number
 from gearsim.scene.catalogue import AnyCutter, AnyMachine
-from gearsim.scene.tables import Count, Length, Scene, Table
+from gearsim.scene.tables import Count, FileName, GridTable, Length, Scene, Table
 from gearsim.surfaces.face_milled import FaceMilledTooth
 from gearsim.surfaces.hypoid import HypoidPinion
 
 
-class GeneratedMetrologyTable(Table):
+class GeneratedMetrologyTable(GridTable):
     """Table [metrology]: what is measured; ``judged`` names the motions that the tolerance is for."""
 
     tolerance_um: Length
@@ -132,7 +132,7 @@ class HypoidScene(GeneratedScene):
     surface: HypoidTable
     generator: GeneratorTable
     convex: HeadTable | None = None
-    machine: dict[str, AnyMachine]
+    machine: dict[FileName, AnyMachine]
     toolpath: RollTable = RollTable()
 
     def pinion(self) -> HypoidPinion:

@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from gearsim.errors import InputError
+from gearsim.errors import InputError, read_input_bytes
 from gearsim.programs.cldata.cutter import read_cutter
 from gearsim.programs.cldata.feed import Feed, Spindle, read_feed, read_spindle
 from gearsim.programs.cldata.frame import ToolAxis, Units, require_identity
@@ -27,10 +27,7 @@ _POINT = "x,y,z or {}/x,y,z,i,j,k"
 
 def read_cl_text(file: Path) -> str:
     """The text of a CL file; comments may be in any encoding. Raises InputError where it cannot be read."""
-    try:
-        data = file.read_bytes()
-    except OSError as error:
-        raise InputError(f"cannot read CL file {file}: {error.strerror}") from error
+    data = read_input_bytes(file, "CL file")
     try:
         return data.decode("utf-16" if data[:2] in (b"\xff\xfe", b"\xfe\xff") else "utf-8-sig")
     except UnicodeDecodeError:
