@@ -129,6 +129,13 @@ def test_a_built_in_scene_beside_a_file_of_its_name_says_so(tmp_path, monkeypatc
         assert f"this is the built-in scene; the file is run by ./{file}\n" in capsys.readouterr().err
 
 
+def test_a_device_that_is_not_there_is_told_before_anything_is_planned(monkeypatch, capsys):
+    monkeypatch.setattr("gearsim.processes.run.plan", None)
+    for device in ("tpu", "cuda:99", "cpu:1", ""):
+        assert run("run", "spur-external", "--device", device, "--out", "nowhere") == 2
+        assert f"no device {device!r}; this machine has cpu" in capsys.readouterr().err
+
+
 @pytest.fixture
 def own_scene(tmp_path):
     """A user's scene with a CL file instead of our planner."""
