@@ -14,14 +14,15 @@ from gearsim.metrology.inspection import Inspection
 from gearsim.metrology.job import Job
 from gearsim.metrology.rapid_check import RapidInspection
 from gearsim.motion.sources import CLMotion, MovedMotion
+from gearsim.processes.cl_tools import cl_cutters, cl_operations
 from gearsim.processes.parts import Limits, part_of
 from gearsim.processes.settings import settings
-from gearsim.programs.cldata import RAPID, check_cutter, parse_cl, read_cl_text
+from gearsim.programs.cldata import parse_cl, read_cl_text
 from gearsim.programs.gcode import ReadSettings, read_program
 from gearsim.scene import scene_table
 from gearsim.scene.any_program import ProgramScene
 from gearsim.simulation.dexels import DexelBox
-from gearsim.simulation.operation import Operation, Variant, operation
+from gearsim.simulation.operation import Operation, Variant
 from gearsim.simulation.program import program_operations
 from gearsim.surfaces.part import Part, Tolerance
 
@@ -82,13 +83,13 @@ def _gcode(scene: ProgramScene, file: Path) -> tuple[tuple[Operation, ...], tupl
 
 
 def _cl_data(scene: ProgramScene, file: Path) -> tuple[tuple[Operation, ...], tuple[str, ...]]:
-    (cutter,), shift = scene.cutters().values(), scene.toolpath.mounting.build()
+    shift, name = scene.toolpath.mounting.build(), scene.toolpath.file
     program = parse_cl(read_cl_text(file), str(file))
-    notes = (*check_cutter(program.cutter, cutter, scene.toolpath.file), *program.notes)
+    one = None if scene.cutter is None else scene.cutters()[1]
+    cutters, notes = cl_cutters(program, name, one, scene.cutters() if scene.tools else None)
     sources = [MovedMotion(CLMotion(p.tips, p.axes), shift) for p in program.paths]
-    rapid = [p.name == RAPID for p in program.paths]
-    whole = operation("CL data", cutter, sources, scene.simulation.compile_tolerance_mm, rapid=rapid)
-    return (whole,), tuple(f"CL file: {note}" for note in notes)
+    found = cl_operations(program, cutters, sources, scene.simulation.compile_tolerance_mm)
+    return found, tuple(f"CL file: {note}" for note in (*notes, *program.notes))
 
 
 def _inspections(

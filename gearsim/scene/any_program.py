@@ -104,8 +104,6 @@ class ProgramScene(Scene):
             raise ValueError(f"tools: numbers {numbers} must differ")
         if self.toolpath.is_gcode and self.machine is None:
             raise ValueError("machine: missing; G-code is run by a [machine]")
-        if not self.toolpath.is_gcode and len(numbers) > 1:
-            raise ValueError("tools: CL data is cut with one tool; give one [cutter]")
         return self
 
     def cutters(self) -> dict[int, Profile]:

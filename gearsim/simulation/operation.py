@@ -62,10 +62,6 @@ class Operation:
         columns = {name: getattr(self, name)[rows] for name in _COLUMNS}
         return replace(self, table=self.table.part(rows), **columns)
 
-    def of_paths(self, paths: Sequence[int]) -> Operation:
-        """The same operation along some of its motions alone."""
-        return self.part(np.isin(self.table.path, paths))
-
     def motions(self) -> list[MotionSource]:
         """The exact motions of its rows in feed, cut up where rows are missing or run by rapid."""
         found: list[MotionSource] = []

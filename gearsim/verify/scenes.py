@@ -7,8 +7,9 @@ from pathlib import Path
 from typing import Any
 
 from gearsim.motion.sources import CLMotion, CurveMotion
+from gearsim.processes.cl_tools import cl_cutters
 from gearsim.processes.run import plan
-from gearsim.programs.cldata import RAPID, check_cutter, parse_cl, read_cl_text
+from gearsim.programs.cldata import RAPID, parse_cl, read_cl_text
 from gearsim.scene import (
     CylindricalGearScene,
     EnvelopeScene,
@@ -36,11 +37,11 @@ def _flank_milling(scene: FlankMillingScene, folder: Path) -> list[ClosedForm]:
     cutter, table = scene.tool(), scene.toolpath
     if table.file is not None:
         program = parse_cl(read_cl_text(folder / table.file), str(folder / table.file))
-        check_cutter(program.cutter, cutter, table.file)
+        cutters, _ = cl_cutters(program, table.file, cutter)
         cuts = [p for p in program.paths if p.name != RAPID]
         names = [_numbered([p.name for p in cuts[: i + 1]]) for i in range(len(cuts))]
-        sources = [CLMotion(p.tips, p.axes) for p in cuts]
-        return [f for name, source in zip(names, sources, strict=True) for f in envelope_forms(source, cutter, name)]
+        forms = (envelope_forms(CLMotion(p.tips, p.axes), cutters[p.tool], n) for n, p in zip(names, cuts, strict=True))
+        return [form for of_path in forms for form in of_path]
     return [form for side, p in scene.planners().items() for form in envelope_forms(p.motion, cutter, side)]
 
 
