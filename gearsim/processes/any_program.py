@@ -18,7 +18,7 @@ from gearsim.processes.cl_tools import cl_cutters, cl_operations
 from gearsim.processes.parts import Limits, part_of
 from gearsim.processes.settings import settings
 from gearsim.programs.cldata import parse_cl, read_cl_text
-from gearsim.programs.gcode import ReadSettings, read_program
+from gearsim.programs.gcode import read_program
 from gearsim.scene import scene_table
 from gearsim.scene.any_program import ProgramScene
 from gearsim.simulation.dexels import DexelBox
@@ -67,10 +67,10 @@ def _judged(scene: ProgramScene, part: Part) -> tuple[str, ...]:
 
 
 def _gcode(scene: ProgramScene, file: Path) -> tuple[tuple[Operation, ...], tuple[str, ...]]:
-    machine, cutters, table = scene.controller(), scene.cutters(), scene.toolpath
+    machine, reading, cutters, table = scene.controller(), scene.reading(), scene.cutters(), scene.toolpath
     assert machine is not None
+    assert reading is not None
     text = read_input(file, "program")
-    reading = ReadSettings(workpiece=table.work_offset, tools=tuple(cutters))
     program = read_program(file, machine, dialect=table.dialect, settings=reading)
     tolerance = scene.simulation.compile_tolerance_mm
     found = program_operations(

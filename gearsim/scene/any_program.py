@@ -13,10 +13,12 @@ from gearsim.cutters.profile import Profile
 from gearsim.errors import InputError
 from gearsim.geometry.rigid import Rigid
 from gearsim.machines.chain import Machine
+from gearsim.programs.gcode import ReadSettings
 from gearsim.scene.bevel import Number
 from gearsim.scene.catalogue import AnyCutter, AnyMachine
 from gearsim.scene.cylindrical import CylindricalGearTable
 from gearsim.scene.flank_milling import FaceMilledFlankTable, RuledBevelTable
+from gearsim.scene.program import ControlTable, OffsetName
 from gearsim.scene.sculptured import NurbsTable
 from gearsim.scene.tables import Count, GridTable, Length, Scene, Table
 
@@ -55,13 +57,13 @@ class MountingTable(Table):
 class ProgramPathTable(Table):
     """Table [toolpath] of kind ``program``: a ``file`` of G-code in a ``dialect``, by its ending, or of CL data.
 
-    ``work_offset`` stands on the program's origin: moves in another one are refused, as their place is unknown.
+    ``work_offset`` stands on the program's origin: moves in another one need its place in [control].
     """
 
     kind: Literal["program"] = "program"
     file: str = Field(min_length=1)
     dialect: Literal["fanuc", "linuxcnc"] = "fanuc"
-    work_offset: str = "G54"
+    work_offset: OffsetName = "G54"
     mounting: MountingTable = MountingTable()
 
     @property
@@ -93,6 +95,7 @@ class ProgramScene(Scene):
     tools: tuple[ProgramToolTable, ...] = ()
     machine: AnyMachine | None = None
     toolpath: ProgramPathTable
+    control: ControlTable | None = None
     metrology: ProgramMetrologyTable
 
     @model_validator(mode="after")
@@ -104,6 +107,8 @@ class ProgramScene(Scene):
             raise ValueError(f"tools: numbers {numbers} must differ")
         if self.toolpath.is_gcode and self.machine is None:
             raise ValueError("machine: missing; G-code is run by a [machine]")
+        if not self.toolpath.is_gcode and self.control is not None:
+            raise ValueError("control: CL data is run by no control; remove the table")
         return self
 
     def cutters(self) -> dict[int, Profile]:
@@ -115,10 +120,17 @@ class ProgramScene(Scene):
     def controller(self) -> Machine | None:
         return None if self.machine is None else self.machine.build()
 
+    def reading(self) -> ReadSettings | None:
+        """How G-code is read; None for CL data. Raises InputError as ``ControlTable.settings`` does."""
+        machine, control = self.controller(), self.control or ControlTable()
+        if machine is None or not self.toolpath.is_gcode:
+            return None
+        return control.settings(self.toolpath.work_offset, tuple(self.cutters()), machine)
+
     def builders(self) -> tuple[Callable[[], object], ...]:
         shape: tuple[Callable[[], object], ...] = ()
         if isinstance(self.surface, CylindricalGearTable):
             shape = (self.surface.gear,)
         elif not isinstance(self.surface, NurbsTable):
             shape = (self.surface.build,)
-        return (self.cutters, self.controller, self.toolpath.mounting.build, *shape)
+        return (self.cutters, self.controller, self.reading, self.toolpath.mounting.build, *shape)

@@ -9,10 +9,11 @@ from typing import Annotated, Literal
 from pydantic import Field, model_validator
 
 from gearsim.machines.chain import Machine
+from gearsim.programs.gcode import ReadSettings
 from gearsim.scene.bevel import Number
 from gearsim.scene.catalogue import AnyMachine
 from gearsim.scene.cylindrical_paths import EndMillTable, GearPathTable
-from gearsim.scene.program import PostTable
+from gearsim.scene.program import ControlTable, PostTable
 from gearsim.scene.tables import Count, GridTable, Length, LengthOrZero, Scene, Table
 from gearsim.surfaces.cylindrical_gear import CylindricalGear
 from gearsim.surfaces.flank_modification import FlankModification, Relief
@@ -107,7 +108,7 @@ class CylindricalGearTable(Table):
 class GearProgramTable(PostTable):
     """Table [program]: how the G-code is written, or a ``file`` of the user's own in a ``dialect``, cut instead.
 
-    ``work_offset`` stands on the gear's origin: a file that moves in another one is refused, as its place is unknown.
+    ``work_offset`` stands on the gear's origin: a file that moves in another one needs its place in [control].
     """
 
     tip_control: bool = False
@@ -190,20 +191,32 @@ class CylindricalGearScene(Scene):
     tools: tuple[EndMillTable, ...] = Field(min_length=1)
     toolpath: GearPathTable
     program: GearProgramTable = GearProgramTable()
+    control: ControlTable | None = None
     errors: ErrorsTable = ErrorsTable()
     budget: BudgetTable | None = None
     metrology: GearMetrologyTable = GearMetrologyTable()
     reference: MeasuredTables | None = None
 
+    @model_validator(mode="after")
+    def _control_of_a_file(self) -> CylindricalGearScene:
+        if self.control is not None and not self.program.file:
+            raise ValueError("control: the planned program states all it needs; the table is for a program.file")
+        return self
+
     def gear(self) -> CylindricalGear:
         return self.surface.gear()
+
+    def reading(self) -> ReadSettings:
+        """How the program is read. Raises InputError as ``ControlTable.settings`` does."""
+        control = self.control or ControlTable()
+        return control.settings(self.program.work_offset, [t.number for t in self.tools], self.controller())
 
     def controller(self) -> Machine:
         machine: Machine = self.machine.build()
         return machine
 
     def builders(self) -> tuple[Callable[[], object], ...]:
-        return (self.gear, self.surface.design, self.controller, self.program.options, self.paths)
+        return (self.gear, self.surface.design, self.controller, self.program.options, self.reading, self.paths)
 
     def finishing(self) -> Finishing:
         """What finishing is told. Raises InputError as ``paths`` does."""

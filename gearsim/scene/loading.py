@@ -190,7 +190,7 @@ def _explain(error: Any, data: dict[str, Any], model: type[Scene]) -> str:
         return f"{field}.kind: missing; it says which tool, motion or machine the table describes"
     if kind == "value_error":
         return f"{field}: {context['error']}"
-    wanted = _WANTED.get(kind, f"{error['msg'][0].lower()}{error['msg'][1:]}").format(**context)
+    wanted = _WANTED[kind].format(**context) if kind in _WANTED else f"{error['msg'][0].lower()}{error['msg'][1:]}"
     return f"{field}: got {_short(got)}; {wanted}" + _unit_hint(field, got)
 
 

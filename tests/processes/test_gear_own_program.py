@@ -74,3 +74,59 @@ def test_what_is_known_is_cut(text, tmp_path):
     linuxcnc = linuxcnc.replace("M10\n", "").replace("M11\n", "").replace(" G93", "").replace(" G94", "")
     found = own(linuxcnc, tmp_path, "program.dialect=linuxcnc")
     assert found.values.shape == plain.values.shape
+
+
+def test_the_tool_at_the_start_is_cut_where_the_scene_names_it(text, tmp_path):
+    plain = own(text, tmp_path)
+    blocks = own(text.replace("T1 M06\n", ""), tmp_path, "control.start_tool=1")
+    assert blocks.values.tolist() == plain.values.tolist()
+    assert set(blocks.tool.tolist()) == {1}
+    gouge = own(changed(text, "T1 M06\n", PASS + "T1 M06\n"), tmp_path, "control.start_tool=1")
+    assert (gouge.tool == 1).all()
+    assert len(gouge) > len(plain)
+
+
+def test_work_offsets_and_lengths_of_the_scene_are_where_they_are(text, tmp_path):
+    """G55 100 mm beside the part's, H12 longer by 5 mm than T1: the cuts of G54 and H1 elsewhere."""
+    plain = own(text, tmp_path)
+    places = "control.work_offsets={G54 = {X = 10.0, Y = 20.0}, G55 = {X = 110.0, Y = 20.0, C = 90.0}}"
+    moved = own(text.replace("G54", "G55"), tmp_path, places)
+    cut = ~plain.rapid
+    difference = (moved.values - plain.values)[cut]
+    assert difference[:, 0] == pytest.approx(100.0)
+    assert difference[:, 4] == pytest.approx(1.5707963)
+    lengths = "control.tool_lengths_mm={1 = 50.0, 12 = 55.0}"
+    longer = own(text.replace("G43 H1", "G43 H12"), tmp_path, lengths)
+    assert (longer.values[~longer.rapid] - plain.values[cut])[:, 2] == pytest.approx(5.0)
+
+
+def test_what_nobody_states_is_zero_only_where_the_scene_says_so(text, tmp_path):
+    for change in (lambda t: t.replace("G49 G54", "G49 G55"), lambda t: t.replace("G43 H1 ", "")):
+        with pytest.raises(InputError, match="is not known here"):
+            own(change(text), tmp_path)
+        assert len(own(change(text), tmp_path, "control.unstated_is_zero=true")) == len(own(text, tmp_path))
+
+
+@pytest.mark.parametrize(
+    ("override", "message"),
+    [
+        ("control.start_tool=2", "control.start_tool: no tool 2; tools has 1"),
+        ("control.work_offsets={G55 = {X = 1.0}}", "control.work_offsets: G54, which stands on the part, is missing"),
+        ("control.work_offsets={G54 = {A = 1.0}}", r"control.work_offsets.G54: machine .* has no axis A"),
+        ("control.work_offsets={G99 = {X = 1.0}}", "control.work_offsets.G99"),
+        ("control.work_offsets={G54 = {X = nan}}", "control.work_offsets.G54.X: got nan"),
+        ("control.tool_lengths_mm={H1 = 5.0}", "control.tool_lengths_mm.H1"),
+        ("control.tool_lengths_mm={1 = true}", "control.tool_lengths_mm.1: got True"),
+        ("control.least_increment_mm=1.0", "control.least_increment_mm: got 1.0"),
+        ("control.lest_increment_mm=0.001", "did you mean 'least_increment_mm'"),
+        ('program.work_offset="G99"', "expected G54 to G59"),
+    ],
+)
+def test_what_a_control_cannot_be_told_is_refused_by_its_key(text, tmp_path, override, message):
+    with pytest.raises(InputError, match=message):
+        own(text, tmp_path, override)
+
+
+def test_a_control_without_a_program_to_read_is_refused():
+    with pytest.raises(InputError, match=r"control: the planned program states all it needs"):
+        load_scene("spur-external", ["control.start_tool=1"])
