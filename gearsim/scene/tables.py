@@ -26,8 +26,16 @@ FileName = Annotated[str, AfterValidator(file_name)]
 _LONGEST_NAME = 200
 _MOST_SAMPLES = 1_000_000  # of a grid
 
-Length = Annotated[float, Field(gt=0.0, lt=1e5, allow_inf_nan=False)]
-LengthOrZero = Annotated[float, Field(ge=0.0, lt=1e5, allow_inf_nan=False)]
+
+def _zero_or_seen(value: float) -> float:
+    if 0.0 < value < _LEAST:
+        raise ValueError(f"got {value:g}; expected 0, or {_LEAST:g} and more")
+    return value
+
+
+_LEAST = 1e-9  # of a length: below it coordinates are rounded
+Length = Annotated[float, Field(ge=_LEAST, lt=1e5, allow_inf_nan=False)]
+LengthOrZero = Annotated[float, Field(ge=0.0, lt=1e5, allow_inf_nan=False), AfterValidator(_zero_or_seen)]
 Angle = Annotated[float, Field(ge=5.0, le=45.0, allow_inf_nan=False)]
 Count = Annotated[int, Field(ge=2, le=4097)]
 

@@ -4,7 +4,7 @@ from copy import deepcopy
 from dataclasses import dataclass
 from math import inf, nan
 
-FREE_TEXT = {"name", "summary", "source", "note"}  # where any word is right
+FREE_TEXT = {"name", "summary", "source", "note", "stations"}  # where any word is right
 FREE_NAMES = {("reference", "roughness_um"), ("machine", "phoenix"), ("machine", "star")}  # keys of the user's own
 DELETE = object()
 
@@ -71,7 +71,7 @@ def _values(key, value):
     elif isinstance(value, dict):
         yield from [("a number for a table", 7, True), ("empty", {}, False), ("a list for a table", [value], True)]
     else:
-        yield from _lists(value)
+        yield from _lists(key, value)
 
 
 def _numbers(value):
@@ -82,11 +82,12 @@ def _numbers(value):
     yield from [("a billionth", 1e-9 * value, False), ("a thousandfold", 1000 * value, False)]
 
 
-def _lists(value):
+def _lists(key, value):
     yield from [("a number for a list", 7, True), ("empty", [], False)]
     yield from [("one more", [*value, *value[-1:]], False), ("one less", value[:-1], False)]
     if value and isinstance(value[0], str):
-        yield from [("unknown word inside", [*value[:-1], "nosuch"], True), ("a number inside", [*value[:-1], 7], True)]
+        yield "unknown word inside", [*value[:-1], "nosuch"], key not in FREE_TEXT
+        yield "a number inside", [*value[:-1], 7], True
     if value and isinstance(value[0], int | float):
         for kind, number in (("nan", nan), ("inf", inf), ("huge", 1e300), ("text", "9"), ("true", True)):
             yield f"{kind} inside", [*value[:-1], number], True

@@ -60,12 +60,12 @@ class Worker:
         """What ``gearsim ARGUMENTS`` does."""
         if self._process is None:
             self._start()
-        self._pipe.send(arguments)
         try:
+            self._pipe.send(arguments)
             if self._pipe.poll(self._seconds):
                 return Outcome(*self._pipe.recv())
             said = f"not done in {self._seconds:g} s"
-        except EOFError:
+        except (EOFError, OSError):
             said = "the process died"
         self._stop()
         return Outcome(None, "", said)
