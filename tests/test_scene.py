@@ -156,6 +156,8 @@ def test_machines_that_files_are_called_after_stay_in_the_folder():
 def test_more_samples_than_a_grid_can_have_are_refused_with_their_number():
     with pytest.raises(InputError, match=r"make 16,785,409 samples; expected no more than 1,000,000"):
         load_scene("spiral-bevel-flank", ["metrology.rows=4097", "metrology.columns=4097"])
+    with pytest.raises(InputError, match=r"make 9,000,000 samples"):
+        load_scene("gouge-vertical-cylinder", ["metrology.rows=3000", "metrology.columns=5"])
 
 
 def test_overrides_are_read_as_toml():

@@ -90,6 +90,11 @@ class GougingMetrologyTable(GridTable):
     window_mm: Length = 5.0
     ring_mm: Length = 0.25
 
+    @property
+    def samples(self) -> int:
+        """Mills are chosen on as many rows as columns."""
+        return int(max(self.rows, self.columns)) ** 2
+
 
 class PlotTable(Table):
     """Table [plot]: the contact whose curvatures are drawn, as shares of the domain."""

@@ -64,12 +64,17 @@ class GridTable(Table):
     rows: Count
     columns: Count
 
+    @property
+    def samples(self) -> int:
+        """How many samples the largest grid has."""
+        return self.rows * self.columns
+
     @model_validator(mode="after")
     def _few_enough(self) -> GridTable:
-        if self.rows * self.columns > _MOST_SAMPLES:
+        if self.samples > _MOST_SAMPLES:
             raise ValueError(
-                f"rows {self.rows} and columns {self.columns} make {self.rows * self.columns:,} samples; expected no "
-                f"more than {_MOST_SAMPLES:,}"
+                f"rows {self.rows} and columns {self.columns} make {self.samples:,} samples; expected no more than "
+                f"{_MOST_SAMPLES:,}"
             )
         return self
 

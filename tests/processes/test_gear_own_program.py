@@ -1,11 +1,12 @@
 """A program of the user's own is cut only where tool, work offset and tool length of every move are known."""
 
+import numpy as np
 import pytest
 
 from gearsim.errors import InputError
 from gearsim.metrology.program_times import ProgramInspection
 from gearsim.processes.run import plan
-from gearsim.scene import load_scene
+from gearsim.scene import load_scene, scene_text
 
 FEW = ("metrology.spaces=1", "metrology.points=15", "toolpath.finishing.axial_step_mm=2.5")
 
@@ -130,3 +131,27 @@ def test_what_a_control_cannot_be_told_is_refused_by_its_key(text, tmp_path, ove
 def test_a_control_without_a_program_to_read_is_refused():
     with pytest.raises(InputError, match=r"control: the planned program states all it needs"):
         load_scene("spur-external", ["control.start_tool=1"])
+
+
+def test_three_operations_are_cut_with_their_own_tools_whatever_the_comments_say(tmp_path):
+    """Slots, roughing and finishing by T3, T1 and T2, with comments that begin operations in which nothing moves."""
+    mill = "name = 'mill', flute_length_mm = 12.7, flutes = 3"
+    sizes = {3: 2.5, 1: 3.0, 2: 3.175}
+    tools = ", ".join(f"{{number = {n}, diameter_mm = {d}, {mill}}}" for n, d in sizes.items())
+    coarse = ("toolpath.roughing.axial_step_mm=2.5", "toolpath.slots.radial_step_mm=5.0")
+    used = [f"toolpath.{name}.tool={n}" for name, n in (("slots", 3), ("roughing", 1), ("finishing", 2))]
+    tables = scene_text("spur-external")[0]
+    head, tail = tables.split("[[tools]]")
+    tail = tail[tail.index("# Further operations") :]
+    (tmp_path / "three.toml").write_text(f"tools = [{tools}]\n{head}{tail}")
+    scene, _ = load_scene(tmp_path / "three.toml", (*FEW, *coarse, *used))
+    planned = plan(scene, tmp_path)
+    text = planned.files["program.nc"]
+    assert [line[:2] for line in text.splitlines() if "M06" in line] == ["T3", "T1", "T2"]
+    text = text.replace("M30", "(FINISHING, THE OTHER TEETH)\nN90 (THE REST)\nM30")
+    (tmp_path / "own.nc").write_text(changed(text, "G21 G17", "(FURTHER)\nN5 (COMMENTS)\nG21 G17"))
+    scene, _ = load_scene(tmp_path / "three.toml", (*FEW, *coarse, *used, "program.file=own.nc"))
+    mine, theirs = (job.variant("program").operations for job in (plan(scene, tmp_path), planned))
+    assert {o.name: 2.0 * o.cutter.max_radius for o in mine} == {"T1": 3.0, "T2": 3.175, "T3": 2.5}
+    assert [o.table.tip.shape for o in mine] == [o.table.tip.shape for o in theirs]
+    assert all(np.array_equal(a.table.tip, b.table.tip) for a, b in zip(mine, theirs, strict=True))
