@@ -153,6 +153,13 @@ def test_machines_that_files_are_called_after_stay_in_the_folder():
         check_scene(tables, "x")
 
 
+def test_two_flanks_of_one_name_are_refused():
+    tables = tomllib.loads(scene_text("apt-envelope")[0])
+    tables["surface"]["flanks"].append(tables["surface"]["flanks"][0])
+    with pytest.raises(InputError, match=r"surface: flanks: names .* must differ"):
+        check_scene(tables, "x")
+
+
 def test_more_samples_than_a_grid_can_have_are_refused_with_their_number():
     with pytest.raises(InputError, match=r"make 16,785,409 samples; expected no more than 1,000,000"):
         load_scene("spiral-bevel-flank", ["metrology.rows=4097", "metrology.columns=4097"])

@@ -19,13 +19,17 @@ def cl_cutters(
 ) -> tuple[tuple[Profile, ...], tuple[str, ...]]:
     """The cutter of each of a program's tools, and what a reader must be told of them.
 
-    ``one`` is a scene's [cutter], ``named`` are its [[tools]] by their numbers. A single tool is the scene's [cutter];
-    of several each is that of its number, or the scene's cutter of its sizes, or the one that CUTTER states. Raises
-    InputError naming ``file`` and line for a tool that is none of these, or another than the scene's of its number.
+    ``one`` is a scene's [cutter], ``named`` are its [[tools]] by their numbers. A single tool is the scene's [cutter],
+    or its only one where it has no number; of several each is that of its number, or the scene's cutter of its sizes,
+    or the one that CUTTER states. Raises InputError naming ``file`` and line for a tool that is none of these, or
+    another than the scene's of its number.
     """
+    named = named or {}
+    if len(named) == 1 and not program.tools[0].number:
+        (one,) = named.values()
     if one is not None and len(program.tools) == 1:
         return (one,), check_cutter(program.tools[0].sizes, one, file)
-    found = [_cutter(tool, file, one, named or {}) for tool in program.tools]
+    found = [_cutter(tool, file, one, named) for tool in program.tools]
     return tuple(cutter for cutter, _ in found), tuple(note for _, notes in found for note in notes)
 
 

@@ -53,6 +53,13 @@ class EnvelopeTable(Table):
     flanks: tuple[EnvelopeFlankTable, ...] = Field(min_length=1)
     window_mm: Length = 2.0
 
+    @model_validator(mode="after")
+    def _one_name_a_flank(self) -> EnvelopeTable:
+        names = [flank.name for flank in self.flanks]
+        if len(set(names)) < len(names):
+            raise ValueError(f"flanks: names {names} must differ")
+        return self
+
 
 class AxisPointsTable(Table):
     """Table [toolpath] of an envelope scene: one NC step, tip position [mm] and rotary axes [deg] at both ends."""

@@ -98,6 +98,7 @@ def test_a_tool_that_nothing_describes_is_refused_by_line(second, named, message
 def test_a_file_of_no_tool_needs_one_cutter_in_the_scene():
     program = parse_cl("FROM/0,0,0\nGOTO/1,0,0\n", "own.cl")
     assert cl_cutters(program, "own.cl", ball(16.0, 60.0))[0][0].name == "ball end mill"
+    assert cl_cutters(program, "own.cl", None, {5: ball(16.0, 60.0)})[0][0].name == "ball end mill"
     with pytest.raises(InputError, match=r"own\.cl: its tool is not known: tools has 1, 2"):
         cl_cutters(program, "own.cl", None, {1: ball(16.0, 60.0), 2: flat(6.0, 20.0)})
 
