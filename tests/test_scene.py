@@ -153,6 +153,12 @@ def test_machines_that_files_are_called_after_stay_in_the_folder():
         check_scene(tables, "x")
 
 
+def test_a_gear_s_pressure_angle_is_one_that_gears_have():
+    for angle in ("2e-8", "0.35", "60.0", "-20.0"):
+        with pytest.raises(InputError, match=r"transverse_pressure_angle_deg: got .* input should be .* than or equal"):
+            load_scene("spur-external", [f"surface.transverse_pressure_angle_deg={angle}"])
+
+
 def test_two_flanks_of_one_name_are_refused():
     tables = tomllib.loads(scene_text("apt-envelope")[0])
     tables["surface"]["flanks"].append(tables["surface"]["flanks"][0])

@@ -14,7 +14,7 @@ from gearsim.scene.bevel import Number
 from gearsim.scene.catalogue import AnyMachine
 from gearsim.scene.cylindrical_paths import EndMillTable, GearPathTable
 from gearsim.scene.program import ControlTable, PostTable
-from gearsim.scene.tables import Count, GridTable, Length, LengthOrZero, Scene, Table
+from gearsim.scene.tables import Angle, Count, GridTable, Length, LengthOrZero, Scene, Table
 from gearsim.surfaces.cylindrical_gear import CylindricalGear
 from gearsim.surfaces.flank_modification import FlankModification, Relief
 from gearsim.toolpaths.cylindrical.settings import Finishing, Settings
@@ -60,9 +60,9 @@ class CylindricalGearTable(Table):
     kind: Literal["cylindrical-gear"]
     teeth: int = Field(ge=-1000, le=1000)
     module_mm: Length | None = None
-    pressure_angle_deg: Degrees | None = None
+    pressure_angle_deg: Angle | None = None
     transverse_module_mm: Length | None = None
-    transverse_pressure_angle_deg: Degrees | None = None
+    transverse_pressure_angle_deg: Angle | None = None
     helix_angle_deg: Degrees = 0.0
     face_width_mm: Length
     profile_shift: Number = 0.0

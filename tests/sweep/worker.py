@@ -10,7 +10,7 @@ from contextlib import redirect_stderr, redirect_stdout
 from dataclasses import dataclass
 from pathlib import Path
 
-_ROOM = 3 << 29  # bytes above what the loaded process has
+_ROOM = 3 << 30  # bytes of addresses above what the loaded process has; a third of them is used at most
 
 
 @dataclass(frozen=True)
