@@ -56,7 +56,12 @@ def _cutter(
 
 
 def _is_alike(tool: CLTool, cutter: Profile) -> bool:
-    return tool.sizes is not None and not tool.sizes.differs(sizes_of(cutter))
+    """Whether a cutter's shape is one that seven numbers state, and these are the tool's."""
+    try:
+        ours = sizes_of(cutter)
+    except InputError:
+        return False
+    return cutter.is_convex and tool.sizes is not None and not tool.sizes.differs(ours)
 
 
 def cl_operations(

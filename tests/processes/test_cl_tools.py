@@ -4,7 +4,7 @@ from pathlib import Path
 
 import pytest
 
-from gearsim.cutters.catalogue import ball, barrel, flat
+from gearsim.cutters.catalogue import ball, barrel, flat, lollipop
 from gearsim.errors import InputError
 from gearsim.metrology.grid import DENSE
 from gearsim.processes.cl_tools import cl_cutters
@@ -106,3 +106,11 @@ def test_a_file_of_no_tool_needs_one_cutter_in_the_scene():
 def test_tools_of_shapes_that_no_numbers_state_are_found_by_their_number():
     named = {1: barrel(10.0, 60.0, 10.0, 30.0), 2: flat(6.0, 20.0)}
     assert cl_cutters(two("LOADTL/1", "LOADTL/2"), "own.cl", None, named)[0] == tuple(named.values())
+    cutters, notes = cl_cutters(two(f"LOADTL/1\n{BALL}", f"LOADTL/2\n{MILL}"), "own.cl", None, named)
+    assert cutters == tuple(named.values())
+    assert notes[0].endswith("(line 2) is not compared with the scene's tool 1, a barrel cutter")
+    stated, _ = cl_cutters(
+        two(BALL, MILL), "own.cl", None, {1: barrel(10.0, 60.0, 10.0, 30.0), 2: lollipop(16.0, 4.0, 60.0)}
+    )
+    assert [c.max_radius for c in stated] == [8.0, 3.0]
+    assert all(c.is_convex for c in stated)

@@ -123,7 +123,10 @@ def check_cutter(theirs: CutterSizes | None, cutter: Profile, file: str, name: s
     """
     if theirs is None:
         return ()
-    ours = sizes_of(cutter)
+    try:
+        ours = sizes_of(cutter)
+    except InputError:
+        return (f"{theirs} (line {theirs.line}) is not compared with the scene's {name}, a {cutter.name}",)
     if letters := theirs.differs(ours):
         where = f"{file} is for {theirs} (line {theirs.line})"
         raise InputError(f"{where}; the scene's {name} is {ours}: {', '.join(letters)} differ")
