@@ -71,7 +71,7 @@ def _parser() -> argparse.ArgumentParser:
     scenes.set_defaults(command=_scenes)
 
     new = commands.add_parser("new", help="write a commented scene to start from")
-    new.add_argument("name", help="the scene's name; NAME.toml is written into the current folder")
+    new.add_argument("name", help="the scene's name or file; NAME.toml is written")
     new.add_argument("--like", default="spiral-bevel-flank", help="built-in scene to copy (default: %(default)s)")
     new.set_defaults(command=_new)
 
@@ -217,9 +217,11 @@ def _add_bench(commands: Any) -> None:
 
 
 def _run(options: argparse.Namespace) -> int:
-    from gearsim.scene import load_scene
+    from gearsim.scene import load_scene, scene_beside
 
     scene, folder = load_scene(options.scene, options.set)
+    if beside := scene_beside(options.scene):
+        print(f"gearsim: note: this is the built-in scene; the file is run by ./{beside}", file=sys.stderr)
     if options.dry_run:
         return _dry_run(scene, folder, options.device)
     from gearsim.output.files import into, staged
@@ -265,7 +267,7 @@ def _scenes(_: argparse.Namespace) -> int:
 def _new(options: argparse.Namespace) -> int:
     from gearsim.scene import scene_names, scene_text
 
-    target = Path(f"{options.name}.toml")
+    target = _new_file(options.name)
     if options.like not in scene_names():
         raise InputError(f"--like {options.like}: no such built-in scene; there are {', '.join(scene_names())}")
     text = scene_text(options.like)[0].replace(f'name = "{options.like}"', f'name = "{target.stem}"')
@@ -280,6 +282,21 @@ def _new(options: argparse.Namespace) -> int:
         raise InputError(f"cannot write {target}: {error.strerror}") from error
     print(f"wrote {target}; edit it, then: gearsim run {target}")
     return 0
+
+
+def _new_file(name: str) -> Path:
+    """Where a scene of that name is written. Raises InputError for names that no file has or that others have."""
+    from gearsim.scene import scene_names
+    from gearsim.scene.tables import file_name
+
+    target = Path(f"{name.removesuffix('.toml')}.toml")
+    try:
+        file_name(target.stem if name else "")
+    except ValueError as error:
+        raise InputError(f"new {name!r}: {error}") from None
+    if target.stem in scene_names():
+        raise InputError(f"new {name}: a built-in scene has that name; choose another")
+    return target
 
 
 def _gouge(options: argparse.Namespace) -> int:

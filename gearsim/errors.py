@@ -20,13 +20,33 @@ class InputError(GearsimError):
 
 
 def read_input(file: Path, what: str) -> str:
-    """The text of an input file; ``what`` it should be. Raises InputError where it cannot be read."""
+    """The text of an input file, its lines parted by line feeds; ``what`` it should be.
+
+    Raises InputError where it cannot be read.
+    """
+    data = read_input_bytes(file, what)
     try:
-        return file.read_text(encoding="utf-8")
+        return data.decode("utf-8").replace("\r\n", "\n").replace("\r", "\n")
     except UnicodeDecodeError as error:
         raise InputError(f"cannot read {what} {file}: it is not UTF-8 text (byte {error.start})") from error
+
+
+def is_file(path: Path) -> bool:
+    """Whether there is such a file; no name, however odd, raises."""
+    try:
+        return path.is_file()
+    except (OSError, ValueError):
+        return False
+
+
+def read_input_bytes(file: Path, what: str) -> bytes:
+    """The bytes of an input file; ``what`` it should be. Raises InputError where it cannot be read."""
+    try:
+        return file.read_bytes()
     except OSError as error:
         raise InputError(f"cannot read {what} {file}: {error.strerror}") from error
+    except ValueError as error:  # of names with a NUL in them
+        raise InputError(f"cannot read {what} {str(file)!r}: {error}") from error
 
 
 @contextmanager

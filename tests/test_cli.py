@@ -103,6 +103,39 @@ def test_new_writes_a_scene_that_runs_and_never_overwrites(tmp_path, monkeypatch
     assert "exists already" in capsys.readouterr().err
 
 
+@pytest.mark.parametrize("name", ["mine.toml", "mine"])
+def test_new_takes_a_suffix_once(name, tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    assert run("new", name) == 0
+    assert [f.name for f in tmp_path.iterdir()] == ["mine.toml"]
+    assert load_scene("mine.toml")[0].name == "mine"
+
+
+@pytest.mark.parametrize("name", ["", "..", 'a"b', "a\\b", "a\0b", "spur-external", "spur-external.toml"])
+def test_new_refuses_what_is_no_name_or_another_scene_s(name, tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    assert run("new", name) == 2
+    assert capsys.readouterr().err.startswith("gearsim: new ")
+    assert not list(tmp_path.iterdir())
+
+
+def test_a_built_in_scene_beside_a_file_of_its_name_says_so(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    assert run("run", "gouge-sizes", "--dry-run") == 0
+    assert capsys.readouterr().err == ""
+    for file in ("gouge-sizes", "gouge-sizes.toml"):
+        (tmp_path / file).write_text("")
+        assert run("run", "gouge-sizes", "--dry-run") == 0
+        assert f"this is the built-in scene; the file is run by ./{file}\n" in capsys.readouterr().err
+
+
+def test_a_device_that_is_not_there_is_told_before_anything_is_planned(monkeypatch, capsys):
+    monkeypatch.setattr("gearsim.processes.run.plan", None)
+    for device in ("tpu", "cuda:99", "cpu:1", ""):
+        assert run("run", "spur-external", "--device", device, "--out", "nowhere") == 2
+        assert f"no device {device!r}; this machine has cpu" in capsys.readouterr().err
+
+
 @pytest.fixture
 def own_scene(tmp_path):
     """A user's scene with a CL file instead of our planner."""

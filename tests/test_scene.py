@@ -92,6 +92,87 @@ def test_mistakes_in_tables_within_a_table_are_placed():
         check_scene(tables, "x")
 
 
+@pytest.mark.parametrize(
+    ("override", "message"),
+    [
+        ('metrology.rows="9"', "metrology.rows: got '9'; expected a whole number"),
+        ("metrology.rows=9.0", "metrology.rows: got 9.0; expected a whole number"),
+        ("metrology.rows=true", "metrology.rows: got True; expected a whole number"),
+        ("surface.module_mm=true", "surface.module_mm: got True; expected a number"),
+        ('surface.module_mm="4.8"', "surface.module_mm: got '4.8'; expected a number"),
+        ("surface.tapered=1", "surface.tapered: got 1; expected true or false"),
+        ("surface.hand=7", "surface.hand: got 7; "),
+        (
+            "metrology.profile_offsets_mm=[0.0, nan]",
+            "metrology.profile_offsets_mm.1: got nan; input should be a finite",
+        ),
+        ('metrology.profile_offsets_mm=[0.0, "1"]', "metrology.profile_offsets_mm.1: got '1'; expected a number"),
+        ("metrology.profile_offsets_mm=1.0", "metrology.profile_offsets_mm: got 1.0; expected a list"),
+        ("metrology.convergence=[9, true]", "metrology.convergence.1: got True; expected a whole number"),
+        ("program.machine.pivot_mm=[0.0, 0.0]", "program.machine.pivot_mm.2: missing"),
+        ("program.machine.pivot_mm=[0.0, 0.0, 0.0, 0.0]", "expected no more than 3 entries"),
+        ("program.machine=7", "program.machine: got 7; expected a table"),
+        ("reference.convex_um=[1.0]", "reference.convex_um has 1 entries, metrology.profile_offsets_mm 7"),
+        ("reference.concave_um=[1, 2, 3, 4, 5, 6, inf]", "reference.concave_um.6: got inf"),
+    ],
+)
+def test_values_have_the_type_of_their_key(override, message):
+    with pytest.raises(InputError, match=re.escape(message)) as error:
+        load_scene("spiral-bevel-flank-zhou", [override])
+    assert "1 mistake:" in str(error.value)
+
+
+def test_whole_numbers_are_numbers_and_long_values_are_cut_short():
+    scene, _ = load_scene("spiral-bevel-flank", ["surface.module_mm=5", "program.machine.pivot_mm=[0, 0, -120]"])
+    assert (scene.surface.module_mm, scene.program.machine.pivot_mm) == (5.0, (0.0, 0.0, -120.0))
+    with pytest.raises(InputError) as error:
+        load_scene("spiral-bevel-flank", [f"metrology.rows={list(range(5000))}"])
+    assert len(str(error.value)) < 250
+
+
+def test_names_in_lists_are_checked_before_anything_is_planned():
+    with pytest.raises(InputError, match="names: no worked example of these sections begins with 'nosuch'; there are"):
+        load_scene("gouge-vertical-cylinder", ['reference.names=["nosuch"]'])
+    with pytest.raises(InputError, match=r"reference.sections: got \[\]; expected 1 or more entries"):
+        load_scene("gouge-sizes", ["reference.sections=[]"])
+
+
+@pytest.mark.parametrize(
+    "name", ["..", "../x", "a/b", "/etc/x", "a\\b", "a\0b", "a\nb", "", ".", " a", "-a", "~", "a" * 201]
+)
+def test_a_name_that_could_leave_the_output_folder_is_refused(tables, name):
+    tables["scene"]["name"] = name
+    with pytest.raises(InputError, match=r"scene.name: got .* files are called so"):
+        check_scene(tables, "x")
+
+
+def test_machines_that_files_are_called_after_stay_in_the_folder():
+    tables = tomllib.loads(scene_text("hypoid-pinion-phoenix")[0])
+    tables["machine"]["../star"] = tables["machine"].pop("star")
+    with pytest.raises(InputError, match=r"got '\.\./star'; files are called so, and '/' stands in no file's name"):
+        check_scene(tables, "x")
+
+
+def test_a_gear_s_pressure_angle_is_one_that_gears_have():
+    for angle in ("2e-8", "0.35", "60.0", "-20.0"):
+        with pytest.raises(InputError, match=r"transverse_pressure_angle_deg: got .* input should be .* than or equal"):
+            load_scene("spur-external", [f"surface.transverse_pressure_angle_deg={angle}"])
+
+
+def test_two_flanks_of_one_name_are_refused():
+    tables = tomllib.loads(scene_text("apt-envelope")[0])
+    tables["surface"]["flanks"].append(tables["surface"]["flanks"][0])
+    with pytest.raises(InputError, match=r"surface: flanks: names .* must differ"):
+        check_scene(tables, "x")
+
+
+def test_more_samples_than_a_grid_can_have_are_refused_with_their_number():
+    with pytest.raises(InputError, match=r"make 16,785,409 samples; expected no more than 1,000,000"):
+        load_scene("spiral-bevel-flank", ["metrology.rows=4097", "metrology.columns=4097"])
+    with pytest.raises(InputError, match=r"make 9,000,000 samples"):
+        load_scene("gouge-vertical-cylinder", ["metrology.rows=3000", "metrology.columns=5"])
+
+
 def test_overrides_are_read_as_toml():
     scene, _ = load_scene(
         "spiral-bevel-flank", ["metrology.rows=9", "surface.hand=right", "metrology.convergence=[9, 17]"]
@@ -106,6 +187,7 @@ def test_overrides_are_read_as_toml():
         ("metrology.rows", "expected table.key=value"),
         ("metrology.rowz=9", "did you mean 'rows'"),
         ("scene.name.x=9", "'name' is a value, not a table"),
+        ("metrology.rows=9\ncolumns=9", "expected one value"),
     ],
 )
 def test_bad_overrides_say_so(override, message):
@@ -118,12 +200,26 @@ def test_unknown_scenes_and_broken_files(tmp_path):
         load_scene("spiral-bevel-flnk")
     with pytest.raises(InputError, match="Built-in scenes: apt-envelope"):
         load_scene("nosuch")
-    with pytest.raises(InputError, match="cannot read scene"):
+    with pytest.raises(InputError, match=r"cannot read scene .*missing.toml': there is no such file"):
         load_scene(tmp_path / "missing.toml")
+    for odd in ("", ".", "a\0b", "a" * 5000, str(tmp_path)):
+        with pytest.raises(InputError, match="no scene named"):
+            load_scene(odd)
     broken = tmp_path / "broken.toml"
     broken.write_text("[scene\nname=")
     with pytest.raises(InputError, match="not valid TOML"):
         load_scene(broken)
+
+
+def test_files_nearby_are_offered(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "mine.toml").write_text(scene_text("gouge-sizes")[0])
+    for near in ("mine", "mine.toml.toml", "mne.toml"):
+        with pytest.raises(InputError, match=r"did you mean 'mine\.toml'"):
+            load_scene(near)
+    (tmp_path / "mine.toml").rename(tmp_path / "mine.toml.toml")
+    with pytest.raises(InputError, match=r"did you mean 'mine\.toml\.toml'"):
+        load_scene("mine.toml")
 
 
 def test_apt_cutters_and_defaults(tables):

@@ -57,8 +57,8 @@ class EnvelopeRoad:
         return EnvelopeRoad(*(column[rows] for column in self.columns()))
 
     def share(self) -> dict[str, float]:
-        """Fraction of the rays in each class."""
-        return {k.name.lower(): float(np.mean(self.kind == k)) for k in Kind}
+        """Fraction of the rays in each class, 0 of none."""
+        return {k.name.lower(): int(np.count_nonzero(self.kind == k)) / max(len(self.kind), 1) for k in Kind}
 
 
 def machined_along(

@@ -16,6 +16,7 @@ from gearsim.metrology.inspection import Cut, Reading, Steps
 from gearsim.simulation.dexels import DexelBox
 from gearsim.simulation.section import Section, section
 from gearsim.surfaces.cylindrical_gear import CylindricalGear, Side
+from gearsim.toolpaths.counts import check_count
 
 if TYPE_CHECKING:
     from gearsim.metrology.job import Job
@@ -93,8 +94,9 @@ def space_box(gear: CylindricalGear, pitch: float) -> DexelBox:
 
 
 def section_rays(gear: CylindricalGear, rim: float, pitch: float) -> RayBundle:
-    """Rays along x through the whole gear at half its facewidth."""
+    """Rays along x through the whole gear at half its facewidth. Raises InputError where there would be too many."""
     radius = max(gear.tip_radius, gear.root_radius + rim * gear.is_internal) + _AROUND
+    check_count(2.0 * radius, pitch, what="section_pitch_mm")
     count = ceil(2.0 * radius / pitch)
     y = radius * (2.0 * (np.arange(count) + 0.5) / count - 1.0)
     origin = np.stack([np.full(count, -radius), y, np.full(count, -0.5 * gear.facewidth)], axis=1)

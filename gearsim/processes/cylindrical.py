@@ -25,7 +25,7 @@ from gearsim.processes.claims import Claim, Involute
 from gearsim.processes.frames import FACE_FRAME
 from gearsim.processes.gear_budget import disturbed_operations, gear_budget
 from gearsim.processes.settings import settings
-from gearsim.programs.gcode import Program, ReadSettings, read_program
+from gearsim.programs.gcode import Program, read_program
 from gearsim.programs.post import write_program
 from gearsim.programs.post_options import Header
 from gearsim.scene import CylindricalGearScene, scene_table
@@ -101,7 +101,7 @@ def _program(
     scene: CylindricalGearScene, folder: Path, gear: CylindricalGear, machine: Machine, steps: tuple[Settings, ...]
 ) -> tuple[Program, str]:
     """The program that is cut, and its text."""
-    reading = ReadSettings(workpiece=scene.program.work_offset, tools=tuple(t.number for t in scene.tools))
+    reading = scene.reading()
     if scene.program.file:
         file = folder / scene.program.file
         text = read_input(file, "program")

@@ -17,7 +17,7 @@ from gearsim.motion.sources import MotionSource
 from gearsim.processes.claims import Claim, Swept
 from gearsim.processes.frames import PROGRAM_FRAME
 from gearsim.processes.generated import Sweep, generated_job
-from gearsim.programs.cldata import CLPath, CLProgram, format_cl, sizes_of
+from gearsim.programs.cldata import CLPath, CLProgram, CLTool, format_cl, sizes_of
 from gearsim.scene.generated import AxisPointsTable, EnvelopeScene
 
 BRANCH = {"left": 1.0, "right": -1.0}
@@ -50,7 +50,7 @@ def plan(scene: EnvelopeScene, folder: Path) -> Job:
         EnvelopePatch(f.name, sources["theory"], cutter, elements, BRANCH[f.side], scene.surface.window_mm)
         for f in scene.surface.flanks
     )
-    program = CLProgram((CLPath("nc", tips, step.axes),), sizes_of(cutter))
+    program = CLProgram((CLPath("nc", tips, step.axes),), (CLTool(sizes=sizes_of(cutter)),))
     programs = {"toolpath.cl": format_cl(program, scene.name, 600.0, 9)}
     cut = Sweep(cutter, patches, sources)
     return generated_job(scene, [cut], TEXTS, PROGRAM_FRAME, files=programs)

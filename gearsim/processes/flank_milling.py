@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from difflib import get_close_matches
 from pathlib import Path
+
+import numpy as np
 
 from gearsim.cutters.profile import Profile
 from gearsim.metrology.convergence import Series
@@ -17,15 +19,16 @@ from gearsim.metrology.mean_profile import ProfileInspection, Published
 from gearsim.metrology.rapid_check import RapidInspection
 from gearsim.metrology.root import RootInspection
 from gearsim.motion.sources import CLMotion
+from gearsim.processes.cl_tools import cl_cutters, cl_operations
 from gearsim.processes.claims import Claim, Swept
 from gearsim.processes.flank_program import machine_program
 from gearsim.processes.parts import Limits, bevel_part
 from gearsim.processes.settings import settings
-from gearsim.programs.cldata import RAPID, CLPath, CLProgram, assemble, check_cutter, format_cl, parse_cl, read_cl_text
+from gearsim.programs.cldata import RAPID, CLPath, CLProgram, assemble, format_cl, parse_cl, read_cl_text
 from gearsim.scene import FlankMillingScene, scene_table
 from gearsim.scene.flank_milling import ReferenceTable
 from gearsim.scene.program import ProgramTable
-from gearsim.simulation.operation import Variant, operation
+from gearsim.simulation.operation import Operation, Variant, operation
 from gearsim.surfaces.part import Tolerance
 from gearsim.surfaces.patch import SIDES, Side, Tooth
 from gearsim.toolpaths.links import clear_rapids
@@ -52,18 +55,19 @@ def plan(scene: FlankMillingScene, folder: Path) -> Job:
     if scene.toolpath.file is not None:
         text = read_cl_text(folder / scene.toolpath.file)
         program = parse_cl(text, str(folder / scene.toolpath.file))
-        notes = (*check_cutter(program.cutter, cutter, scene.toolpath.file), *program.notes, *_pass_notes(program))
+        cutters, notes = cl_cutters(program, scene.toolpath.file, cutter)
+        notes += (*program.notes, *_pass_notes(program))
         notes += _posting_notes(program, scene.program)
     else:
         text, notes = _planned_program(planners, cutter, tooth, scene), ()
-        program = parse_cl(text, "planned CL data")
+        program, cutters = parse_cl(text, "planned CL data"), (cutter,)
     files = {"toolpath.cl": text}
     if scene.program:
-        files["program.nc"] = machine_program(scene, scene.program, program, cutter)
+        files["program.nc"] = machine_program(scene, scene.program, program, cutters)
     return Job(
         name=scene.name,
         part=bevel_part(tooth, limits, mate=tooth.blank.mate(scene.surface.mate_teeth).stock),
-        variants=tuple(_variants(scene, program, planners, cutter)),
+        variants=tuple(_variants(scene, program, planners, cutter, cutters)),
         main=PROGRAM,
         inspections=tuple(_inspections(scene, tooth, program, planners)),
         settings=settings(scene),
@@ -80,10 +84,10 @@ def claims(scene: FlankMillingScene, folder: Path) -> list[Claim]:
     if table.file is None:
         return [Swept(p.motion, cutter, side) for side, p in scene.planners().items()]
     program = parse_cl(read_cl_text(folder / table.file), str(folder / table.file))
-    check_cutter(program.cutter, cutter, table.file)
+    cutters, _ = cl_cutters(program, table.file, cutter)
     cuts = [p for p in program.paths if p.name != RAPID]
     names = [_numbered([p.name for p in cuts[: i + 1]]) for i in range(len(cuts))]
-    return [Swept(CLMotion(p.tips, p.axes), cutter, name) for p, name in zip(cuts, names, strict=True)]
+    return [Swept(CLMotion(p.tips, p.axes), cutters[p.tool], name) for p, name in zip(cuts, names, strict=True)]
 
 
 def _numbered(names: list[str]) -> str:
@@ -93,31 +97,41 @@ def _numbered(names: list[str]) -> str:
 
 
 def own_paths(program: CLProgram, side: Side) -> list[int]:
-    """Which paths of a CL program finish a flank: those named after it, else every cutting path."""
+    """Which paths of a CL program finish a flank: those named after it, else every cutting path; the last one's tool's.
+
+    Passes of other tools prepare it.
+    """
     named = [i for i, path in enumerate(program.paths) if path.name == side]
-    return named or [i for i, path in enumerate(program.paths) if path.name != RAPID]
+    passes = named or [i for i, path in enumerate(program.paths) if path.name != RAPID]
+    return [i for i in passes if program.paths[i].tool == program.paths[passes[-1]].tool]
 
 
 def _variants(
-    scene: FlankMillingScene, program: CLProgram, planners: Mapping[Side, FlankPass], cutter: Profile
-) -> Iterator[Variant]:
+    scene: FlankMillingScene, program: CLProgram, planners: Mapping[Side, FlankPass], cutter: Profile,
+    cutters: Sequence[Profile],
+) -> Iterator[Variant]:  # fmt: skip
     tolerance = scene.simulation.compile_tolerance_mm
     sources = [CLMotion(p.tips, p.axes) for p in program.paths]
-    rapid = [p.name == RAPID for p in program.paths]
-    whole = operation("CL data", cutter, sources, tolerance, rapid=rapid, holder=scene.held())
-    yield Variant(PROGRAM, _CONVENTIONS[PROGRAM], (whole,))
+    holders = [scene.held() if one == cutter else None for one in cutters]
+    whole = Variant(PROGRAM, _CONVENTIONS[PROGRAM], cl_operations(program, cutters, sources, tolerance, holders))
+    yield whole
     for side in SIDES:
         own = own_paths(program, side)
         rest = [i for i in range(len(sources)) if i not in own]
         if side in planners:
             exact = operation(f"{side} flank, continuous", cutter, [planners[side].motion], tolerance)
             yield Variant(THEORY, _CONVENTIONS[THEORY], (exact,), (side,))
-        yield Variant(OWN, _CONVENTIONS[OWN], (whole.of_paths(own),), (side,))
+        yield Variant(OWN, _CONVENTIONS[OWN], _along(whole, own), (side,))
         if rest:
-            yield Variant(OTHERS, _CONVENTIONS[OTHERS], (whole.of_paths(rest),), (side,))
+            yield Variant(OTHERS, _CONVENTIONS[OTHERS], _along(whole, rest), (side,))
         if side in planners:
             for n in scene.metrology.convergence:
                 yield _of_points(n, side, planners[side], cutter, tolerance)
+
+
+def _along(whole: Variant, paths: Sequence[int]) -> tuple[Operation, ...]:
+    """The whole program's operations along some of its paths alone."""
+    return whole.chosen(lambda _, operation: np.isin(operation.step, paths)).operations
 
 
 def _of_points(n: int, side: Side, planner: FlankPass, cutter: Profile, tolerance: float) -> Variant:

@@ -6,7 +6,9 @@ teeth look up to the spindle. Its origin is that of the gear frame, the apex of 
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
+from itertools import count, groupby
 
 import numpy as np
 
@@ -21,24 +23,42 @@ from gearsim.programs.post_options import Header
 from gearsim.scene import FlankMillingScene
 from gearsim.scene.program import ProgramTable
 
+MOST_TOOLS = 9999  # the largest T number
 CLAMPED = Rigid(np.diag([1.0, -1.0, -1.0]), np.zeros(3))
 
 
-def machine_program(scene: FlankMillingScene, table: ProgramTable, cl: CLProgram, cutter: Profile) -> str:
-    """The CL program, gear frame, as text for the table's machine. Neither tip nor top of the cutter exceeds its feed.
+def machine_program(scene: FlankMillingScene, table: ProgramTable, cl: CLProgram, cutters: Sequence[Profile]) -> str:
+    """The CL program, gear frame, as text for the table's machine, an operation whenever the tool changes.
 
-    Raises InputError where the CL data states no feed, or the machine or its control cannot do it.
+    ``cutters`` are those of the program's tools, of which neither tip nor top exceeds the feed. Raises InputError where
+    the CL data states no feed, or the machine or its control cannot do it.
     """
     if cl.feed is None:
         raise InputError("the CL data has no FEDRAT; a program for a machine needs a feed")
     paths = (replace(p, tips=CLAMPED.point(p.tips), axes=CLAMPED.direction(p.axes)) for p in cl.paths)
-    blocks = blocks_from_cl(
-        table.controlled(), replace(cl, paths=tuple(paths)), cl.feed, table.tip_control, reach=cutter.height
-    )
-    shape = ", ".join(f"{value:.6g}" for value in apt_parameters(cutter))
-    tool = Tool(1, f"APT cutter {shape}", apt_parameters(cutter)[0], cutter.height, table.flutes)
-    passes = [p.name for p in cl.paths if p.name != RAPID]
-    operation = Operation("flank milling", tool, table.spindle_rpm, blocks, comments=(f"passes {', '.join(passes)}",))
+    numbers = _numbers(cl)
+    operations = []
+    for k, run in groupby(paths, key=lambda path: path.tool):
+        program = replace(cl, paths=tuple(run))
+        blocks = blocks_from_cl(table.controlled(), program, cl.feed, table.tip_control, reach=cutters[k].height)
+        sizes = apt_parameters(cutters[k])
+        shape = ", ".join(f"{value:.6g}" for value in sizes)
+        tool = Tool(numbers[k], f"APT cutter {shape}", sizes[0], cutters[k].height, table.flutes)
+        passes = ", ".join(p.name for p in program.paths if p.name != RAPID)
+        operations.append(
+            Operation(
+                "flank milling", tool, table.spindle_rpm, blocks, comments=(f"passes {passes}",) if passes else ()
+            )
+        )
     lines = (scene.scene.summary, "gear on its back: x, -y, -z of the gear frame, origin at the pitch apex")
     header = Header(table.number, scene.name, tuple(line for line in lines if line))
-    return write_program([operation], header, table.options())
+    return write_program(operations, header, table.options())
+
+
+def _numbers(cl: CLProgram) -> list[int]:
+    """A T number for each tool: 1 of a single one, else the file's, else the next that is free."""
+    if len(cl.tools) == 1:
+        return [1]
+    given = [int(t.number) if t.number.isdecimal() and 0 < int(t.number) <= MOST_TOOLS else 0 for t in cl.tools]
+    free = (n for n in count(1) if n not in given)
+    return [number or next(free) for number in given]

@@ -9,9 +9,10 @@ from gearsim.cutters.profile import Profile
 from gearsim.errors import InputError, read_input
 from gearsim.motion.axes import AxisMotion
 from gearsim.motion.sources import CLMotion, MovedMotion
+from gearsim.processes.cl_tools import cl_cutters, cl_operations
 from gearsim.programs.axis_table import parse_axis_table
-from gearsim.programs.cldata import RAPID, check_cutter, parse_cl, read_cl_text
-from gearsim.programs.gcode import Program, ReadSettings, read_program
+from gearsim.programs.cldata import parse_cl, read_cl_text
+from gearsim.programs.gcode import Program, read_program
 from gearsim.scene.any_program import ProgramScene
 from gearsim.simulation.operation import Operation, operation
 from gearsim.simulation.program import program_operations
@@ -41,10 +42,10 @@ def read_file(scene: ProgramScene, file: Path) -> ReadFile:
 
 
 def _gcode(scene: ProgramScene, file: Path) -> ReadFile:
-    machine, cutters, table = scene.controller(), scene.cutters(), scene.toolpath
+    machine, reading, cutters, table = scene.controller(), scene.reading(), scene.cutters(), scene.toolpath
     assert machine is not None
+    assert reading is not None
     text = read_input(file, "program")
-    reading = ReadSettings(workpiece=table.work_offset, tools=tuple(cutters))
     program = read_program(file, machine, dialect=table.dialect, settings=reading)
     tolerance = scene.simulation.compile_tolerance_mm
     found = program_operations(
@@ -58,15 +59,15 @@ def _gcode(scene: ProgramScene, file: Path) -> ReadFile:
 
 
 def _cl_data(scene: ProgramScene, file: Path) -> ReadFile:
-    (cutter,), shift = scene.cutters().values(), scene.toolpath.mounting.build()
+    shift, mine, held = scene.toolpath.mounting.build(), scene.cutters(), scene.holders()
     program = parse_cl(read_cl_text(file), str(file))
-    notes = (*check_cutter(program.cutter, cutter, scene.toolpath.file), *program.notes)
+    one = None if scene.cutter is None else mine[1]
+    cutters, notes = cl_cutters(program, scene.toolpath.file, one, mine if scene.tools else None)
+    holders = [next((held.get(n) for n, ours in mine.items() if ours == cutter), None) for cutter in cutters]
     sources = [MovedMotion(CLMotion(p.tips, p.axes), shift) for p in program.paths]
-    rapid = [p.name == RAPID for p in program.paths]
-    whole = operation(
-        "CL data", cutter, sources, scene.simulation.compile_tolerance_mm, rapid=rapid, holder=_only(scene.holders())
-    )
-    return ReadFile((whole,), tuple(f"CL file: {note}" for note in notes), "rapid move {number} of the CL data")
+    found = cl_operations(program, cutters, sources, scene.simulation.compile_tolerance_mm, holders)
+    told = tuple(f"CL file: {note}" for note in (*notes, *program.notes))
+    return ReadFile(found, told, "rapid move {number} of the CL data")
 
 
 def _axis_table(scene: ProgramScene, file: Path) -> ReadFile:

@@ -22,6 +22,7 @@ from gearsim.result import Result, versions
 from gearsim.scene import Scene, load_scene
 from gearsim.simulation.operation import Variant
 from gearsim.simulation.removal import SLOT_BYTES, open_device, prepare, tile_rays
+from gearsim.simulation.room import RAY_BYTES, require_room
 from gearsim.simulation.workshop import Workshop
 
 _PLANNERS = {
@@ -34,6 +35,7 @@ _PLANNERS = {
     "GougeExampleScene": "worked_examples",
     "ProgramScene": "any_program",
 }
+_SMALLER = "lower metrology.rows and columns or raise simulation.dexel_pitch_mm"
 
 
 class Progress(Protocol):
@@ -84,6 +86,7 @@ def run(
     NumericalError where a kernel status forbids trust.
     """
     started = perf_counter()
+    open_device(device)
     progress = progress or _Silent()
     progress.stage("planning", 0)
     if not isinstance(scene, Scene):
@@ -124,6 +127,7 @@ def run_job(
     def begin(questions: list[Question]) -> None:
         nonlocal planned_rays
         planned_rays, solved = counted(questions)
+        require_room(planned_rays + solved, f"scene {job.name}", _SMALLER)
         progress.stage("cutting and measuring", planned_rays + solved)
 
     readings = perform(job.steps(), workshop, begin)
@@ -184,10 +188,12 @@ def estimate(scene: Scene, folder: Path | None = None, device: str = "cpu") -> d
         rays, samples = counted(next(job.steps()))
     except StopIteration:
         rays, samples = 0, 0
+    require_room(rays + samples, f"scene {job.name}", _SMALLER)
     segments, slots = job.rows(), job.settings.interval_slots
     return {
         "rays": rays,
         "segments": segments,
-        "memory_mb": 600.0 + 1e-6 * (SLOT_BYTES * slots * min(rays, tile_rays(slots)) + 450 * rays + 2000 * samples),
+        "memory_mb": 600.0
+        + 1e-6 * (SLOT_BYTES * slots * min(rays, tile_rays(slots)) + RAY_BYTES * rays + 2000 * samples),
         "seconds": 6.0 + rays / 60e3 + samples * (2.2e-4 + 5e-7 * segments),
     }

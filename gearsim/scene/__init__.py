@@ -4,7 +4,7 @@ from gearsim.scene.any_program import ProgramScene
 from gearsim.scene.cylindrical import CylindricalGearScene
 from gearsim.scene.flank_milling import FlankMillingScene
 from gearsim.scene.generated import EnvelopeScene, FaceMillingScene, GeneratedScene, HypoidScene
-from gearsim.scene.loading import check_scene, load_scene, scene_names, scene_table, scene_text
+from gearsim.scene.loading import check_scene, load_scene, scene_beside, scene_names, scene_table, scene_text
 from gearsim.scene.sculptured import GougeExampleScene, SculpturedScene
 from gearsim.scene.tables import Scene
 
@@ -21,6 +21,7 @@ __all__ = [
     "SculpturedScene",
     "check_scene",
     "load_scene",
+    "scene_beside",
     "scene_names",
     "scene_table",
     "scene_text",

@@ -14,14 +14,16 @@ from gearsim.cutters.profile import Profile
 from gearsim.errors import InputError
 from gearsim.geometry.rigid import Rigid
 from gearsim.machines.chain import Machine
+from gearsim.programs.gcode import ReadSettings
 from gearsim.scene.bevel import GeneratorTable, Number
 from gearsim.scene.catalogue import AnyCutter, AnyMachine
 from gearsim.scene.cylindrical import CylindricalGearTable
 from gearsim.scene.flank_milling import FaceMilledFlankTable, RuledBevelTable
 from gearsim.scene.generated import FaceMilledTable, HeadTable, HypoidTable
 from gearsim.scene.holder import HolderTable
+from gearsim.scene.program import ControlTable, OffsetName
 from gearsim.scene.sculptured import NurbsTable
-from gearsim.scene.tables import Count, Length, Scene, Table
+from gearsim.scene.tables import Count, GridTable, Length, Scene, Table
 from gearsim.surfaces.hypoid import HypoidPinion
 from gearsim.surfaces.patch import Tooth
 
@@ -86,13 +88,13 @@ class ProgramPathTable(Table):
     """Table [toolpath] of kind ``program``: a ``file`` of G-code in a ``dialect``, of axis values (``.csv``), or of CL
     data, by its ending.
 
-    ``work_offset`` stands on the program's origin: moves in another one are refused, as their place is unknown.
+    ``work_offset`` stands on the program's origin: moves in another one need its place in [control].
     """
 
     kind: Literal["program"] = "program"
     file: str = Field(min_length=1)
     dialect: Literal["fanuc", "linuxcnc"] = "fanuc"
-    work_offset: str = "G54"
+    work_offset: OffsetName = "G54"
     mounting: MountingTable = MountingTable()
 
     @property
@@ -104,7 +106,7 @@ class ProgramPathTable(Table):
         return PurePath(self.file).suffix.lower() == AXIS_TABLE
 
 
-class ProgramMetrologyTable(Table):
+class ProgramMetrologyTable(GridTable):
     """Table [metrology]: a dense grid on every surface; ``judged`` names those that have a tolerance (none: all).
 
     ``root_tolerance_um`` is for cuts into fillets and bottom lands (default: the tolerance), where material may stay.
@@ -140,6 +142,7 @@ class ProgramScene(Scene):
     tools: tuple[ProgramToolTable, ...] = ()
     machine: AnyMachine | None = None
     toolpath: ProgramPathTable
+    control: ControlTable | None = None
     metrology: ProgramMetrologyTable
 
     @model_validator(mode="after")
@@ -154,8 +157,10 @@ class ProgramScene(Scene):
         kind = "G-code is" if self.toolpath.is_gcode else "axis values are" if self.toolpath.is_axis_table else ""
         if kind and self.machine is None:
             raise ValueError(f"machine: missing; {kind} run by a [machine]")
-        if not self.toolpath.is_gcode and len(numbers) > 1:
-            raise ValueError("tools: CL data and axis values are cut with one tool; give one [cutter]")
+        if self.toolpath.is_axis_table and len(numbers) > 1:
+            raise ValueError("tools: axis values are cut with one tool; give one [cutter]")
+        if not self.toolpath.is_gcode and self.control is not None:
+            raise ValueError("control: only G-code is run by a control; remove the table")
         return self
 
     @model_validator(mode="after")
@@ -206,6 +211,13 @@ class ProgramScene(Scene):
     def controller(self) -> Machine | None:
         return None if self.machine is None else self.machine.build()
 
+    def reading(self) -> ReadSettings | None:
+        """How G-code is read; None for CL data. Raises InputError as ``ControlTable.settings`` does."""
+        machine, control = self.controller(), self.control or ControlTable()
+        if machine is None or not self.toolpath.is_gcode:
+            return None
+        return control.settings(self.toolpath.work_offset, tuple(self.cutters()), machine)
+
     def builders(self) -> tuple[Callable[[], object], ...]:
         shape = self.surface.gear if isinstance(self.surface, CylindricalGearTable) else self.tooth
-        return (self.cutters, self.holders, self.controller, self.toolpath.mounting.build, shape)
+        return (self.cutters, self.holders, self.controller, self.reading, self.toolpath.mounting.build, shape)

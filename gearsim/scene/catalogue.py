@@ -97,7 +97,7 @@ def read_cutter(words: Sequence[str]) -> Profile:
     if "height_mm" in keys and "height_mm" not in given:
         given["height_mm"] = repr(_TALL * max([_length(v) for k, v in given.items() if k.endswith("_mm")], default=1.0))
     try:
-        table: Any = TypeAdapter(AnyCutter).validate_python({"kind": kind, **given})
+        table: Any = TypeAdapter(AnyCutter).validate_python({"kind": kind, **given}, strict=False)
     except ValidationError as error:
         first = error.errors()[0]
         field = ".".join(str(p) for p in first["loc"] if p != kind)

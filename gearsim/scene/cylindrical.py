@@ -10,11 +10,12 @@ from pydantic import Field, model_validator
 
 from gearsim.cutters.profile import Profile
 from gearsim.machines.chain import Machine
+from gearsim.programs.gcode import ReadSettings
 from gearsim.scene.bevel import Number
 from gearsim.scene.catalogue import AnyMachine
 from gearsim.scene.cylindrical_paths import EndMillTable, GearPathTable
-from gearsim.scene.program import PostTable
-from gearsim.scene.tables import Count, Length, LengthOrZero, Scene, Table
+from gearsim.scene.program import ControlTable, PostTable
+from gearsim.scene.tables import Angle, Count, GridTable, Length, LengthOrZero, Scene, Table
 from gearsim.surfaces.cylindrical_gear import CylindricalGear
 from gearsim.surfaces.flank_modification import FlankModification, Relief
 from gearsim.toolpaths.cylindrical.settings import Finishing, Settings
@@ -60,9 +61,9 @@ class CylindricalGearTable(Table):
     kind: Literal["cylindrical-gear"]
     teeth: int = Field(ge=-1000, le=1000)
     module_mm: Length | None = None
-    pressure_angle_deg: Degrees | None = None
+    pressure_angle_deg: Angle | None = None
     transverse_module_mm: Length | None = None
-    transverse_pressure_angle_deg: Degrees | None = None
+    transverse_pressure_angle_deg: Angle | None = None
     helix_angle_deg: Degrees = 0.0
     face_width_mm: Length
     profile_shift: Number = 0.0
@@ -108,7 +109,7 @@ class CylindricalGearTable(Table):
 class GearProgramTable(PostTable):
     """Table [program]: how the G-code is written, or a ``file`` of the user's own in a ``dialect``, cut instead.
 
-    ``work_offset`` stands on the gear's origin: a file that moves in another one is refused, as its place is unknown.
+    ``work_offset`` stands on the gear's origin: a file that moves in another one needs its place in [control].
     """
 
     tip_control: bool = False
@@ -137,7 +138,7 @@ class BudgetTable(Table):
     eccentricity_um: Micrometres = 10.0
 
 
-class GearMetrologyTable(Table):
+class GearMetrologyTable(GridTable):
     """Table [metrology]: the class of ISO 1328-1 asked for, and where the flanks are probed.
 
     ``tolerance_um`` is for the dense map of space 0; ``points`` of a trace; ``spaces`` how many spaces are probed
@@ -161,9 +162,16 @@ class MeasuredTable(Table):
     kind: Literal["profile", "helix"]
     side: Literal["left", "right"]
     stations: tuple[str, ...]
-    slope_um: tuple[float, ...]
-    form_um: tuple[float, ...]
-    total_um: tuple[float, ...]
+    slope_um: tuple[Number, ...]
+    form_um: tuple[Number, ...]
+    total_um: tuple[Number, ...]
+
+    @model_validator(mode="after")
+    def _one_number_a_station(self) -> MeasuredTable:
+        for key in ("slope_um", "form_um", "total_um"):
+            if len(getattr(self, key)) != len(self.stations):
+                raise ValueError(f"{key} has {len(getattr(self, key))} entries for {len(self.stations)} stations")
+        return self
 
 
 class MeasuredTables(Table):
@@ -172,7 +180,7 @@ class MeasuredTables(Table):
     source: str
     note: str = ""
     hours: tuple[LengthOrZero, LengthOrZero] | None = None
-    roughness_um: dict[str, tuple[float, float, float]] = Field(default_factory=dict)
+    roughness_um: dict[str, tuple[LengthOrZero, LengthOrZero, LengthOrZero]] = Field(default_factory=dict)
     tables: tuple[MeasuredTable, ...] = ()
 
 
@@ -184,20 +192,33 @@ class CylindricalGearScene(Scene):
     tools: tuple[EndMillTable, ...] = Field(min_length=1)
     toolpath: GearPathTable
     program: GearProgramTable = GearProgramTable()
+    control: ControlTable | None = None
     errors: ErrorsTable = ErrorsTable()
     budget: BudgetTable | None = None
     metrology: GearMetrologyTable = GearMetrologyTable()
     reference: MeasuredTables | None = None
 
+    @model_validator(mode="after")
+    def _control_of_a_file(self) -> CylindricalGearScene:
+        if self.control is not None and not self.program.file:
+            raise ValueError("control: the planned program states all it needs; the table is for a program.file")
+        return self
+
     def gear(self) -> CylindricalGear:
         return self.surface.gear()
+
+    def reading(self) -> ReadSettings:
+        """How the program is read. Raises InputError as ``ControlTable.settings`` does."""
+        control = self.control or ControlTable()
+        return control.settings(self.program.work_offset, [t.number for t in self.tools], self.controller())
 
     def controller(self) -> Machine:
         machine: Machine = self.machine.build()
         return machine
 
     def builders(self) -> tuple[Callable[[], object], ...]:
-        return (self.gear, self.surface.design, self.controller, self.program.options, self.paths, self.holders)
+        reading = (self.program.options, self.reading)
+        return (self.gear, self.surface.design, self.controller, *reading, self.paths, self.holders)
 
     def holders(self) -> dict[int, Profile]:
         """What stands above the tools, where it is given, by their numbers."""

@@ -9,11 +9,11 @@ from typing import Literal
 from pydantic import Field, model_validator
 
 from gearsim.cutters.profile import Profile
-from gearsim.scene.bevel import BevelBlankTable, GeneratorTable, Turn
+from gearsim.scene.bevel import BevelBlankTable, GeneratorTable, Number, Turn
 from gearsim.scene.catalogue import AnyCutter
 from gearsim.scene.holder import HolderTable
 from gearsim.scene.program import ProgramTable
-from gearsim.scene.tables import Angle, Count, Length, LengthOrZero, Scene, Table
+from gearsim.scene.tables import Angle, Count, GridTable, Length, LengthOrZero, Scene, Table
 from gearsim.surfaces.face_milled import FaceMilledTooth
 from gearsim.surfaces.patch import SIDES, Side, Tooth
 from gearsim.surfaces.ruled_bevel import STRAIGHT, RuledBevelTooth
@@ -95,7 +95,7 @@ class ToolpathTable(Table):
         return self
 
 
-class MetrologyTable(Table):
+class MetrologyTable(GridTable):
     """Table [metrology]: what is measured, and the tolerances of the verdict."""
 
     tolerance_um: Length
@@ -107,7 +107,7 @@ class MetrologyTable(Table):
     inspection_columns: Count = 9
     inspection_margin: float = Field(default=0.1, gt=0.0, lt=0.5)
     window: float = Field(default=1.0, gt=0.0, le=4.0)
-    profile_offsets_mm: tuple[float, ...] = (0.0, 0.5, -0.5, 1.5, -1.5, 3.0, -3.0)
+    profile_offsets_mm: tuple[Number, ...] = (0.0, 0.5, -0.5, 1.5, -1.5, 3.0, -3.0)
     convergence: tuple[Count, ...] = (9, 17, 33, 65, 129, 257)
 
 
@@ -117,8 +117,8 @@ class ReferenceTable(Table):
     source: str
     note: str = ""
     overcut_is_positive: bool
-    convex_um: tuple[float, ...]
-    concave_um: tuple[float, ...]
+    convex_um: tuple[Number, ...]
+    concave_um: tuple[Number, ...]
 
 
 class FlankMillingScene(Scene):
@@ -131,6 +131,17 @@ class FlankMillingScene(Scene):
     program: ProgramTable | None = None
     metrology: MetrologyTable
     reference: ReferenceTable | None = None
+
+    @model_validator(mode="after")
+    def _one_printed_number_an_offset(self) -> FlankMillingScene:
+        offsets = len(self.metrology.profile_offsets_mm)
+        for key in ("convex_um", "concave_um"):
+            if self.reference is not None and len(getattr(self.reference, key)) != offsets:
+                raise ValueError(
+                    f"reference.{key} has {len(getattr(self.reference, key))} entries, metrology.profile_offsets_mm "
+                    f"{offsets}; they stand beside each other"
+                )
+        return self
 
     def tooth(self) -> Tooth:
         return self.surface.build()

@@ -11,12 +11,12 @@ from gearsim.cutters.profile import Profile
 from gearsim.machines.chain import Machine
 from gearsim.scene.bevel import BevelBlankTable, GeneratorTable, HypoidBlankTable, Number
 from gearsim.scene.catalogue import AnyCutter, AnyMachine
-from gearsim.scene.tables import Count, Length, Scene, Table
+from gearsim.scene.tables import Count, FileName, GridTable, Length, Scene, Table
 from gearsim.surfaces.face_milled import FaceMilledTooth
 from gearsim.surfaces.hypoid import HypoidPinion
 
 
-class GeneratedMetrologyTable(Table):
+class GeneratedMetrologyTable(GridTable):
     """Table [metrology]: what is measured; ``judged`` names the motions that the tolerance is for."""
 
     tolerance_um: Length
@@ -52,6 +52,13 @@ class EnvelopeTable(Table):
     kind: Literal["envelope"]
     flanks: tuple[EnvelopeFlankTable, ...] = Field(min_length=1)
     window_mm: Length = 2.0
+
+    @model_validator(mode="after")
+    def _one_name_a_flank(self) -> EnvelopeTable:
+        names = [flank.name for flank in self.flanks]
+        if len(set(names)) < len(names):
+            raise ValueError(f"flanks: names {names} must differ")
+        return self
 
 
 class AxisPointsTable(Table):
@@ -144,7 +151,7 @@ class HypoidScene(GeneratedScene):
     surface: HypoidTable
     generator: GeneratorTable
     convex: HeadTable | None = None
-    machine: dict[str, AnyMachine]
+    machine: dict[FileName, AnyMachine]
     toolpath: RollTable = RollTable()
 
     def pinion(self) -> HypoidPinion:

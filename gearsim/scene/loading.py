@@ -12,7 +12,7 @@ from typing import Any, get_args
 
 from pydantic import ValidationError
 
-from gearsim.errors import InputError, read_input
+from gearsim.errors import InputError, is_file, read_input
 from gearsim.scene.any_program import AXIS_TABLE, GCODE, ProgramScene
 from gearsim.scene.cylindrical import CylindricalGearScene
 from gearsim.scene.flank_milling import FlankMillingScene
@@ -31,7 +31,19 @@ SCENES: dict[str, type[Scene]] = {
     "gouge-example": GougeExampleScene,
 }
 
-
+_LONGEST = 80  # characters of a value in a message
+_WANTED = {
+    "tuple_type": "expected a list",
+    "model_type": "expected a table",
+    "model_attributes_type": "expected a table",
+    "dict_type": "expected a table",
+    "int_type": "expected a whole number",
+    "float_type": "expected a number",
+    "bool_type": "expected true or false",
+    "string_type": "expected text",
+    "too_short": "expected {min_length} or more entries",
+    "too_long": "expected no more than {max_length} entries",
+}
 _CL_READERS = ("ruled-bevel", "face-milled-flank")
 _PLANNED = {"nurbs": ("contact", "drop")}  # what toolpath.kind names beside "program"; other planners have one kind
 _OF_ONE_MOTION = ("envelope", "gouge-example")  # surfaces that are nothing without their scene's own motion
@@ -39,31 +51,48 @@ _OF_ONE_MOTION = ("envelope", "gouge-example")  # surfaces that are nothing with
 
 def scene_names() -> dict[str, str]:
     """Built-in scenes and their one-line summaries."""
-    found = {}
-    for entry in sorted(files("gearsim.scenes").iterdir(), key=lambda e: e.name.removesuffix(".toml")):
-        if entry.name.endswith(".toml"):
-            header = tomllib.loads(entry.read_text(encoding="utf-8"))["scene"]
-            found[entry.name.removesuffix(".toml")] = header["summary"]
-    return found
+    return {name: tomllib.loads(_built_in_text(name))["scene"]["summary"] for name in _built_in()}
+
+
+def _built_in() -> list[str]:
+    names = (entry.name for entry in files("gearsim.scenes").iterdir())
+    return sorted(name.removesuffix(".toml") for name in names if name.endswith(".toml"))
+
+
+def _built_in_text(name: str) -> str:
+    return files("gearsim.scenes").joinpath(f"{name}.toml").read_text("utf-8")
 
 
 def scene_text(name_or_path: str) -> tuple[str, str, Path]:
     """TOML text of a built-in scene or file, the name to use in messages, and its folder."""
     path = Path(name_or_path)
-    if name_or_path in scene_names():
-        return (
-            files("gearsim.scenes").joinpath(f"{name_or_path}.toml").read_text("utf-8"),
-            name_or_path,
-            Path(),
-        )
-    if path.suffix == ".toml" or path.is_file():
+    if name_or_path in _built_in():
+        return _built_in_text(name_or_path), name_or_path, Path()
+    if is_file(path):
         return read_input(path, "scene"), str(path), path.parent
-    near = get_close_matches(name_or_path, scene_names(), n=1, cutoff=0.4)
+    near = get_close_matches(name_or_path, [*_scene_files(path.parent), *_built_in()], n=1, cutoff=0.4)
     hint = f"; did you mean {near[0]!r}?" if near else "."
+    if path.suffix == ".toml":
+        raise InputError(f"cannot read scene {name_or_path!r}: there is no such file{hint}")
     raise InputError(
-        f"no scene named {name_or_path!r}{hint} Built-in scenes: {', '.join(scene_names())}. "
+        f"no scene named {name_or_path!r}{hint} Built-in scenes: {', '.join(_built_in())}. "
         "Or give the path of a .toml file."
     )
+
+
+def scene_beside(name: str) -> Path | None:
+    """A file that may be meant by the name of a built-in scene, which is what the name stands for."""
+    if name not in _built_in():
+        return None
+    return next((path for path in (Path(f"{name}.toml"), Path(name)) if is_file(path)), None)
+
+
+def _scene_files(folder: Path) -> list[str]:
+    """The .toml files of a folder, none where it cannot be looked into."""
+    try:
+        return sorted(str(file) for file in folder.glob("*.toml"))
+    except (OSError, ValueError):
+        return []
 
 
 def load_scene(name_or_path: str | Path, overrides: Sequence[str] = ()) -> tuple[Scene, Path]:
@@ -149,15 +178,17 @@ def _override(data: dict[str, Any], override: str) -> None:
     if not equals or len(parts) < 2:
         raise InputError(f"--set {override}: expected table.key=value, for instance metrology.rows=9")
     try:
-        parsed = tomllib.loads(f"value = {value}")["value"]
+        parsed = tomllib.loads(f"value = {value}")
     except tomllib.TOMLDecodeError:
-        parsed = value
+        parsed = {"value": value}
+    if list(parsed) != ["value"]:
+        raise InputError(f"--set {override!r}: expected one value, for instance metrology.rows=9")
     table = data
     for part in parts[:-1]:
         table = table.setdefault(part, {})
         if not isinstance(table, dict):
             raise InputError(f"--set {override}: {part!r} is a value, not a table")
-    table[parts[-1]] = parsed
+    table[parts[-1]] = parsed["value"]
 
 
 def _explain(error: Any, data: dict[str, Any], model: type[Scene]) -> str:
@@ -177,7 +208,14 @@ def _explain(error: Any, data: dict[str, Any], model: type[Scene]) -> str:
         return f"{field}.kind: missing; it says which tool, motion or machine the table describes"
     if kind == "value_error":
         return f"{field}: {context['error']}"
-    return f"{field}: got {got!r}; {error['msg'][0].lower()}{error['msg'][1:]}" + _unit_hint(field, got)
+    wanted = _WANTED[kind].format(**context) if kind in _WANTED else f"{error['msg'][0].lower()}{error['msg'][1:]}"
+    return f"{field}: got {_short(got)}; {wanted}" + _unit_hint(field, got)
+
+
+def _short(got: Any) -> str:
+    """A value as a scene's file would have it, cut short."""
+    text = repr(list(got) if isinstance(got, tuple) else got)
+    return text if len(text) <= _LONGEST else f"{text[:_LONGEST]}..."
 
 
 def _without_tags(where: Sequence[Any], data: Any) -> list[Any]:

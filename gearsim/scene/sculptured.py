@@ -12,12 +12,12 @@ from numpy.typing import NDArray
 from pydantic import Field, model_validator
 
 from gearsim.cutters.profile import Profile
-from gearsim.errors import InputError
-from gearsim.gouging.khan.worked_sections import SECTIONS
+from gearsim.errors import InputError, is_file
+from gearsim.gouging.khan.worked_sections import SECTIONS, worked_rows
 from gearsim.gouging.standard_mills import khan_mills, metric_mills, ranked
 from gearsim.scene.catalogue import AnyCutter
 from gearsim.scene.holder import HolderTable
-from gearsim.scene.tables import Count, Length, LengthOrZero, Scene, Table
+from gearsim.scene.tables import Count, GridTable, Length, LengthOrZero, Scene, Table
 from gearsim.surfaces.nurbs import NurbsSurface
 from gearsim.surfaces.nurbs_file import load_surfaces
 
@@ -35,7 +35,7 @@ class NurbsTable(Table):
     def build(self, folder: Path, window: float = 0.0) -> NurbsSurface:
         """The surface; relative files are looked up in ``folder``. Raises InputError where there is none."""
         beside = folder / self.file
-        found = load_surfaces(beside if beside.is_file() else self.file)
+        found = load_surfaces(beside if is_file(beside) else self.file)
         if self.number > len(found):
             raise InputError(f"surface.number: {self.file} holds {len(found)} surfaces, got {self.number}")
         return replace(found[self.number - 1], window=window)
@@ -49,7 +49,7 @@ class SculpturedPathTable(Table):
     stepover_mm: Length
     points: Count = 33
     margin: Margin = 0.02
-    chord_um: float = Field(default=0.1, gt=0.0, allow_inf_nan=False)
+    chord_um: float = Field(default=0.1, ge=1e-3, allow_inf_nan=False)
 
     @model_validator(mode="after")
     def _fits(self) -> SculpturedPathTable:
@@ -81,7 +81,7 @@ class MillsTable(Table):
         return ranked(mills)
 
 
-class GougingMetrologyTable(Table):
+class GougingMetrologyTable(GridTable):
     """Table [metrology]: what is measured; overcut deeper than the tolerance is attributed and fails the tool."""
 
     tolerance_um: Length = 1.0
@@ -90,6 +90,11 @@ class GougingMetrologyTable(Table):
     margin: Margin = 0.02
     window_mm: Length = 5.0
     ring_mm: Length = 0.25
+
+    @property
+    def samples(self) -> int:
+        """Mills are chosen on as many rows as columns."""
+        return int(max(self.rows, self.columns)) ** 2
 
 
 class PlotTable(Table):
@@ -102,7 +107,7 @@ class PlotTable(Table):
 class WorkedTable(Table):
     """Table [reference]: worked examples printed beside ours, by section and the beginning of their names."""
 
-    sections: tuple[str, ...]
+    sections: tuple[str, ...] = Field(min_length=1)
     names: tuple[str, ...] = ()
 
     @model_validator(mode="after")
@@ -110,6 +115,10 @@ class WorkedTable(Table):
         for section in self.sections:
             if section not in SECTIONS:
                 raise ValueError(f"no worked example in section {section!r}; there are {', '.join(SECTIONS)}")
+        for name in self.names:
+            if not name or not worked_rows(self.sections, (name,)):
+                begin = ", ".join(dict.fromkeys(row.quantity.partition(":")[0] for row in worked_rows(self.sections)))
+                raise ValueError(f"names: no worked example of these sections begins with {name!r}; there are {begin}")
         return self
 
 

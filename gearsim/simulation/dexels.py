@@ -12,6 +12,7 @@ from gearsim.geometry.rays import RayBundle
 from gearsim.geometry.rigid import Rigid
 from gearsim.geometry.turned import Turned
 from gearsim.simulation.intervals import IntervalSet, subtract
+from gearsim.simulation.room import require_room
 
 _MOST_CELLS = 20_000
 
@@ -34,6 +35,10 @@ class DexelBox:
                 f"dexel pitch {self.pitch:g} mm is too fine: the box is {longest:.4g} mm long; wanted is at least "
                 f"{longest / _MOST_CELLS:.2g} mm"
             )
+
+        cells = (self.upper - self.lower) / self.pitch
+        rays = sum(float(np.delete(cells, k).prod()) for k in range(3))
+        require_room(rays, f"dexel pitch {self.pitch:g} mm", "raise simulation.dexel_pitch_mm")
 
     @property
     def counts(self) -> NDArray[np.integer]:

@@ -62,10 +62,6 @@ class Operation:
         columns = {name: getattr(self, name)[rows] for name in _COLUMNS}
         return replace(self, table=self.table.part(rows), **columns)
 
-    def of_paths(self, paths: Sequence[int]) -> Operation:
-        """The same operation along some of its motions alone."""
-        return self.part(np.isin(self.table.path, paths))
-
     def carried(self, tolerance: float) -> Operation:
         """What its holder does meanwhile, as an operation of its own, compiled to a tolerance [mm].
 

@@ -13,7 +13,7 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
 
-from gearsim.errors import InputError
+from gearsim.errors import InputError, read_input_bytes
 from gearsim.surfaces.cad_text import check_iges, check_step, clean, without_blank_lines
 
 CAD_SUFFIXES = (".igs", ".iges", ".stp", ".step")
@@ -27,11 +27,7 @@ def read_cad(file: Path) -> dict[str, Any]:
     a face has its points beside its old parameters. ``flip`` follows the face's orientation. ``skipped`` are pairs of
     names and reasons. Raises InputError for a file of which nothing can be used.
     """
-    try:
-        data = file.read_bytes()
-    except OSError as error:
-        raise InputError(f"cannot read {file}: {error.strerror}") from error
-    text = clean(data)
+    text = clean(read_input_bytes(file, "CAD file"))
     if file.suffix.lower() in (".stp", ".step"):
         check_step(text, str(file))
     else:

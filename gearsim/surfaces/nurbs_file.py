@@ -25,7 +25,7 @@ from importlib.resources import files
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from gearsim.errors import InputError, read_input, written
+from gearsim.errors import InputError, is_file, read_input, written
 from gearsim.surfaces.cad_file import CAD_SUFFIXES, read_cad
 from gearsim.surfaces.face import Face, face_from_cad
 from gearsim.surfaces.nurbs import NurbsSurface
@@ -86,7 +86,7 @@ def _load_json(name_or_path: str | Path) -> list[NurbsSurface]:
         entry = files("gearsim.scenes").joinpath("surfaces", f"{name_or_path}.json")
         return parse_surfaces(entry.read_text("utf-8"), str(name_or_path))
     path = Path(name_or_path)
-    if path.suffix.lower() == ".json" or path.is_file():
+    if path.suffix.lower() == ".json" or is_file(path):
         return parse_surfaces(read_input(path, "control net").removeprefix("\ufeff"), str(path))
     near = get_close_matches(str(name_or_path), surface_names(), n=1, cutoff=0.4)
     hint = f"; did you mean {near[0]!r}?" if near else "."

@@ -18,7 +18,7 @@ from gearsim.cutters.contact import locate
 from gearsim.cutters.profile import Profile
 from gearsim.errors import InputError
 from gearsim.surfaces.nurbs import NurbsSurface
-from gearsim.toolpaths.counts import check_count
+from gearsim.toolpaths.counts import check_count, check_points
 from gearsim.toolpaths.sculptured import AXIS, SculpturedPath, Touches, refined
 
 _KEEP = 3  # places where a tool may touch that are looked into
@@ -90,6 +90,7 @@ def drop_path(
     def touch(line: NDArray, place: NDArray) -> Touches:
         return drop(surface, cutter, *((across[line], place) if run else (place, across[line])))
 
+    check_points(len(across) * points)
     line = np.repeat(np.arange(len(across)), points)
     place = np.tile(np.linspace(low[run], high[run], points), len(across))
     inside = _inside(surface, touch(line, place)).reshape(len(across), points)

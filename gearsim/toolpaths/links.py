@@ -43,7 +43,7 @@ def clear_rapids(program: CLProgram, cutter: Profile, stock: Turned, retract: fl
         paths += rapids if clear else _link(clearance, last, path, retract)
         paths += [path] if path is not None else []
         rapids, last = [], path
-    return CLProgram(tuple(paths), program.cutter, program.feed)
+    return CLProgram(tuple(paths), program.tools, program.feed)
 
 
 def _link(clearance: Clearance, before: CLPath | None, after: CLPath | None, retract: float) -> list[CLPath]:

@@ -20,7 +20,7 @@ from gearsim.cutters.profile import Profile
 from gearsim.errors import InputError
 from gearsim.motion.sources import CLMotion
 from gearsim.surfaces.nurbs import NurbsSurface
-from gearsim.toolpaths.counts import check_count
+from gearsim.toolpaths.counts import check_count, check_points
 
 AXIS = np.array([0.0, 0.0, 1.0])
 _ROUNDS = 10
@@ -84,6 +84,7 @@ def contact_path(
     see the module. Raises InputError for a cutter that is not convex or a stepover that is not positive.
     """
     count = _line_count(surface, stepover, along, margin)
+    check_points(count * points)
     across = np.linspace(margin, 1.0 - margin, count)
 
     def touch(line: NDArray, place: NDArray) -> Touches:
@@ -120,6 +121,7 @@ def refined(
         worst = max(worst, float(np.max(depth[~bad], initial=0.0)))
         if not bad.any():
             return SculpturedPath(line, place, found, worst)
+        check_points(len(line) + bad.sum())
         order = np.argsort(np.concatenate([np.arange(len(line)), step[bad] + 0.5]), kind="stable")
         fresh[:] = False
         fresh[step[bad]] = True

@@ -99,6 +99,6 @@ def test_what_a_holder_does_keeps_the_columns_of_its_pieces():
     carried = whole.carried(1e-9)
     assert carried.cutter is THIN
     assert np.array_equal(carried.rapid, np.array([False, True])[carried.table.path])
-    assert set(whole.of_paths([1]).carried(1e-9).table.path.tolist()) == {1}
+    assert set(whole.part(whole.table.path == 1).carried(1e-9).table.path.tolist()) == {1}
     with pytest.raises(ValueError, match="no holder"):
         carried.carried(1e-9)

@@ -70,7 +70,7 @@ def test_a_scene_without_the_table_writes_none_and_cl_data_needs_a_feed(scene, j
     assert "program.nc" not in plan(scene.model_copy(update={"program": None}), Path()).files
     cl = parse_cl("FROM/0,0,0\nGOTO/1,0,0\n")
     with pytest.raises(InputError, match="no FEDRAT"):
-        machine_program(scene, scene.program, cl, job.variant("program").cutter)
+        machine_program(scene, scene.program, cl, [job.variant("program").cutter])
     assert parse_cl("FEDRAT/300\nGOTO/0,0,0\nFEDRAT/200\nGOTO/1,0,0\nFEDRAT/250\n").feed == 200.0
 
 

@@ -1,11 +1,12 @@
 """A program of the user's own is cut only where tool, work offset and tool length of every move are known."""
 
+import numpy as np
 import pytest
 
 from gearsim.errors import InputError
 from gearsim.metrology.program_times import ProgramInspection
 from gearsim.processes.run import plan
-from gearsim.scene import load_scene
+from gearsim.scene import load_scene, scene_text
 
 FEW = ("metrology.spaces=1", "metrology.points=15", "toolpath.finishing.axial_step_mm=2.5")
 
@@ -74,3 +75,83 @@ def test_what_is_known_is_cut(text, tmp_path):
     linuxcnc = linuxcnc.replace("M10\n", "").replace("M11\n", "").replace(" G93", "").replace(" G94", "")
     found = own(linuxcnc, tmp_path, "program.dialect=linuxcnc")
     assert found.values.shape == plain.values.shape
+
+
+def test_the_tool_at_the_start_is_cut_where_the_scene_names_it(text, tmp_path):
+    plain = own(text, tmp_path)
+    blocks = own(text.replace("T1 M06\n", ""), tmp_path, "control.start_tool=1")
+    assert blocks.values.tolist() == plain.values.tolist()
+    assert set(blocks.tool.tolist()) == {1}
+    gouge = own(changed(text, "T1 M06\n", PASS + "T1 M06\n"), tmp_path, "control.start_tool=1")
+    assert (gouge.tool == 1).all()
+    assert len(gouge) > len(plain)
+
+
+def test_work_offsets_and_lengths_of_the_scene_are_where_they_are(text, tmp_path):
+    """G55 100 mm beside the part's, H12 longer by 5 mm than T1: the cuts of G54 and H1 elsewhere."""
+    plain = own(text, tmp_path)
+    places = "control.work_offsets={G54 = {X = 10.0, Y = 20.0}, G55 = {X = 110.0, Y = 20.0, C = 90.0}}"
+    moved = own(text.replace("G54", "G55"), tmp_path, places)
+    cut = ~plain.rapid
+    difference = (moved.values - plain.values)[cut]
+    assert difference[:, 0] == pytest.approx(100.0)
+    assert difference[:, 4] == pytest.approx(1.5707963)
+    lengths = "control.tool_lengths_mm={1 = 50.0, 12 = 55.0}"
+    longer = own(text.replace("G43 H1", "G43 H12"), tmp_path, lengths)
+    assert (longer.values[~longer.rapid] - plain.values[cut])[:, 2] == pytest.approx(5.0)
+
+
+def test_what_nobody_states_is_zero_only_where_the_scene_says_so(text, tmp_path):
+    for change in (lambda t: t.replace("G49 G54", "G49 G55"), lambda t: t.replace("G43 H1 ", "")):
+        with pytest.raises(InputError, match="is not known here"):
+            own(change(text), tmp_path)
+        assert len(own(change(text), tmp_path, "control.unstated_is_zero=true")) == len(own(text, tmp_path))
+
+
+@pytest.mark.parametrize(
+    ("override", "message"),
+    [
+        ("control.start_tool=2", "control.start_tool: no tool 2; tools has 1"),
+        ("control.work_offsets={G55 = {X = 1.0}}", "control.work_offsets: G54, which stands on the part, is missing"),
+        ("control.work_offsets={G54 = {A = 1.0}}", r"control.work_offsets.G54: machine .* has no axis A"),
+        ("control.work_offsets={G99 = {X = 1.0}}", "control.work_offsets.G99"),
+        ("control.work_offsets={G54 = {X = nan}}", "control.work_offsets.G54.X: got nan"),
+        ("control.tool_lengths_mm={H1 = 5.0}", "control.tool_lengths_mm.H1"),
+        ("control.tool_lengths_mm={1 = true}", "control.tool_lengths_mm.1: got True"),
+        ("control.least_increment_mm=1.0", "control.least_increment_mm: got 1.0"),
+        ("control.lest_increment_mm=0.001", "did you mean 'least_increment_mm'"),
+        ('program.work_offset="G99"', "expected G54 to G59"),
+    ],
+)
+def test_what_a_control_cannot_be_told_is_refused_by_its_key(text, tmp_path, override, message):
+    with pytest.raises(InputError, match=message):
+        own(text, tmp_path, override)
+
+
+def test_a_control_without_a_program_to_read_is_refused():
+    with pytest.raises(InputError, match=r"control: the planned program states all it needs"):
+        load_scene("spur-external", ["control.start_tool=1"])
+
+
+def test_three_operations_are_cut_with_their_own_tools_whatever_the_comments_say(tmp_path):
+    """Slots, roughing and finishing by T3, T1 and T2, with comments that begin operations in which nothing moves."""
+    mill = "name = 'mill', flute_length_mm = 12.7, flutes = 3"
+    sizes = {3: 2.5, 1: 3.0, 2: 3.175}
+    tools = ", ".join(f"{{number = {n}, diameter_mm = {d}, {mill}}}" for n, d in sizes.items())
+    coarse = ("toolpath.roughing.axial_step_mm=2.5", "toolpath.slots.radial_step_mm=5.0")
+    used = [f"toolpath.{name}.tool={n}" for name, n in (("slots", 3), ("roughing", 1), ("finishing", 2))]
+    tables = scene_text("spur-external")[0]
+    head, tail = tables.split("[[tools]]")
+    tail = tail[tail.index("# Further operations") :]
+    (tmp_path / "three.toml").write_text(f"tools = [{tools}]\n{head}{tail}")
+    scene, _ = load_scene(tmp_path / "three.toml", (*FEW, *coarse, *used))
+    planned = plan(scene, tmp_path)
+    text = planned.files["program.nc"]
+    assert [line[:2] for line in text.splitlines() if "M06" in line] == ["T3", "T1", "T2"]
+    text = text.replace("M30", "(FINISHING, THE OTHER TEETH)\nN90 (THE REST)\nM30")
+    (tmp_path / "own.nc").write_text(changed(text, "G21 G17", "(FURTHER)\nN5 (COMMENTS)\nG21 G17"))
+    scene, _ = load_scene(tmp_path / "three.toml", (*FEW, *coarse, *used, "program.file=own.nc"))
+    mine, theirs = (job.variant("program").operations for job in (plan(scene, tmp_path), planned))
+    assert {o.name: 2.0 * o.cutter.max_radius for o in mine} == {"T1": 3.0, "T2": 3.175, "T3": 2.5}
+    assert [o.table.tip.shape for o in mine] == [o.table.tip.shape for o in theirs]
+    assert all(np.array_equal(a.table.tip, b.table.tip) for a, b in zip(mine, theirs, strict=True))

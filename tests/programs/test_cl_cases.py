@@ -5,7 +5,6 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from gearsim.errors import InputError
 from gearsim.processes.run import plan
 from gearsim.programs.cldata import RAPID, parse_cl, read_cl_text
 from gearsim.scene import load_scene
@@ -53,8 +52,14 @@ def cutter4():
 
 
 def twotools65():
-    with pytest.raises(InputError, match=r"twotools65\.cl, line 119: LOADTL/2 is another tool than that of line 4"):
-        planned("twotools65.cl")
+    """The ball of the first pass, which the scene does not know, is cut as its CUTTER states it."""
+    job = planned("twotools65.cl")
+    first, second = job.variant("program").operations
+    assert (first.cutter.max_radius, first.cutter.height) == (8.0, 60.0)
+    assert second.cutter == load_scene(FOLDER / "twotools65.toml")[0].tool()
+    assert "tool 1, CUTTER/16, 8, 0, 8, 0, 0, 60 (line 4) is cut as CUTTER states it" in job.notes[0]
+    assert [line for line in job.files["program.nc"].splitlines() if "M06" in line] == ["T1 M06", "T2 M06"]
+    assert [len(job.variant("own pass", side).operations) for side in ("convex", "concave")] == [1, 1]
 
 
 RIGHT = {f"{case.__name__}.cl": case for case in (ipm, dollar, multax, own65, cutter4, twotools65)}

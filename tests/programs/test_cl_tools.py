@@ -1,4 +1,4 @@
-"""CUTTER, LOADTL, TOOLNO: one tool a file, and the same cutter within the digits that CAM systems print."""
+"""CUTTER, LOADTL, TOOLNO: which tool makes a move, and the same cutter within the digits that CAM systems print."""
 
 from itertools import permutations
 
@@ -29,29 +29,67 @@ def test_one_tool_in_any_order_before_the_moves_and_stated_again(order):
     assert len(program.paths[0].tips) == 5
 
 
-@pytest.mark.parametrize("word", OTHER)
-@pytest.mark.parametrize("first", ["CUTTER", "LOADTL", "TOOLNO"])
-def test_a_second_tool_is_refused_with_its_line(word, first):
-    kind = "CUTTER" if word == "CUTTER" else first if first != "CUTTER" else "LOADTL"
-    for before in (FIRST[kind], FIRST[kind] + path()):
-        text = before + OTHER[word] + path(3)
-        with pytest.raises(InputError, match=rf"line {before.count(chr(10)) + 1}: {word}/.* is another tool than that"):
-            parse_cl(text)
+def tools(text):
+    """Of every path the tool's number and its sizes, as far as they are stated, to the diameter."""
+    program = parse_cl(text)
+    named = [program.tools[p.tool] for p in program.paths]
+    return [(tool.number, tool.sizes and tool.sizes.sizes[0]) for tool in named]
+
+
+@pytest.mark.parametrize("second", [("LOADTL/2\n", MILL), (MILL, "LOADTL/2\n"), ("TOOLNO/2\nFROM/2,0,0\n", MILL)])
+@pytest.mark.parametrize(
+    "first", [("LOADTL/1\n", BALL), (BALL, "LOADTL/1\n"), ("FROM/9,9,9\n" + BALL, "LOAD/TOOL,1\n")]
+)
+def test_number_and_sizes_change_together_in_any_order(first, second):
+    text = "".join(first) + path() + "".join(second) + path(3) + "LOADTL/1\n" + path(6)
+    assert tools(text) == [("1", 16.0), ("2", 6.0), ("1", 16.0)]
+    program = parse_cl(text)
+    assert [p.tool for p in program.paths] == [0, 1, 0]
+    assert program.tools[1].line in (5, 6)
+
+
+@pytest.mark.parametrize("word", ["LOADTL/2\n", "TOOLNO/2\n", "LOAD/TOOL,2\n"])
+def test_a_number_alone_changes_the_tool_and_takes_no_sizes_with_it(word):
+    assert tools("LOADTL/1\n" + path() + word + path(3)) == [("1", None), ("2", None)]
+    assert tools("LOADTL/1\n" + BALL + path() + word + path(3)) == [("1", 16.0), ("2", None)]
+    assert tools(BALL + path() + word + path(3)) == [("", 16.0), ("2", None)]
+
+
+def test_sizes_alone_change_the_tool_and_the_number_is_not_known():
+    assert tools("LOADTL/1\n" + BALL + path() + MILL + path(3)) == [("1", 16.0), ("", 6.0)]
+    assert tools(BALL + path() + MILL + path(3) + BALL + path(6)) == [("", 16.0), ("", 6.0), ("", 16.0)]
+
+
+def test_a_sister_tool_of_the_same_sizes_is_another_tool():
+    assert tools("LOADTL/1\n" + BALL + path() + BALL + "LOADTL/2\n" + path(3)) == [("1", 16.0), ("2", 16.0)]
+
+
+def test_what_is_loaded_and_does_not_move_is_not_used():
+    text = BALL + "LOADTL/1\nLOADTL/2\n" + MILL + "LOADTL/10\n" + path()
+    assert tools(text) == [("10", None)]
+    assert len(parse_cl(text).tools) == 1
+
+
+def test_a_number_with_other_sizes_than_before_is_refused_with_its_line():
+    text = "LOADTL/1\n" + BALL + path() + "LOADTL/2\n" + path(3) + "LOADTL/1\n" + MILL + path(6)
+    with pytest.raises(
+        InputError, match=r"line 10: tool 1 is CUTTER/6, .*\(line 9\) here and was CUTTER/16, .* \(line 2\)"
+    ):
+        parse_cl(text)
 
 
 @pytest.mark.parametrize("word", OTHER)
-def test_a_tool_behind_the_first_move_is_a_change_of_tool(word):
+def test_a_tool_behind_moves_that_no_tool_is_named_for_is_refused_with_its_line(word):
     for before in (MOVE.format(0), path(), "RAPID\n" + path(), "FROM/0,0,0\n" + MOVE.format(0)):
-        with pytest.raises(InputError, match=rf"line {before.count(chr(10)) + 1}: {word}/.* changes the tool behind"):
+        line = before.count(chr(10)) + 1
+        with pytest.raises(InputError, match=rf"line {line}: {word}/.*(changes the tool behind|is not settled)"):
             parse_cl(before + OTHER[word] + path(3))
 
 
-def test_both_orders_of_number_and_sizes_are_refused_at_the_first_change():
-    one, two = BALL + "LOADTL/1\n", "LOADTL/2\n" + MILL
-    with pytest.raises(InputError, match="line 5: LOADTL/2 is another tool than that of line 2, LOADTL/1; one tool"):
-        parse_cl(one + path() + two + path(5))
-    with pytest.raises(InputError, match=r"line 5: CUTTER/6, .* is another tool than that of line 2, CUTTER/16"):
-        parse_cl("LOADTL/1\n" + BALL + path() + MILL + "LOADTL/2\n" + path(5))
+def test_a_selected_tool_is_the_one_in_the_spindle_or_refused():
+    assert tools("SELECT/TOOL,1\nLOAD/TOOL,1\n" + path()) == [("1", None)]
+    with pytest.raises(InputError, match=r"line 4: SELECT/TOOL,2: whether it loads the tool or makes it ready"):
+        parse_cl("LOADTL/1\n" + path() + "SELECT/TOOL,2\n" + path(3))
 
 
 @pytest.mark.parametrize("same", ["LOADTL/1", "LOADTL/01", "LOADTL/1.0,2,75.0", "TOOLNO/1", "loadtl / 1 , 5"])
@@ -59,15 +97,14 @@ def test_the_same_number_in_another_spelling_is_no_change(same):
     assert parse_cl(f"LOADTL/1,1\n{path()}{same}\n{path(3)}").paths
 
 
-def test_a_tool_without_a_number_is_refused():
+def test_a_tool_without_a_number_is_refused_and_a_name_is_a_number():
     with pytest.raises(InputError, match="line 1: LOADTL names no tool; expected LOADTL/number"):
         parse_cl("LOADTL\n" + path())
-    with pytest.raises(InputError, match="line 3: LOADTL/DRILL is another tool than that of line 1, LOADTL/MILL"):
-        parse_cl("LOADTL/MILL\nGOTO/0,0,0\nLOADTL/DRILL\nGOTO/1,0,0")
+    assert tools("LOADTL/MILL\nFROM/0,0,0\nGOTO/1,0,0\nLOADTL/DRILL\nGOTO/2,0,0") == [("MILL", None), ("DRILL", None)]
 
 
 def compared(cutter, head="", ours=OURS):
-    return check_cutter(parse_cl(f"{head}{cutter}\n{path()}").cutter, ours, "my.cl")
+    return check_cutter(parse_cl(f"{head}{cutter}\n{path()}").tools[0].sizes, ours, "my.cl")
 
 
 @pytest.mark.parametrize(
@@ -147,6 +184,6 @@ def test_what_states_no_tool_is_refused(cutter, message):
 
 
 def test_digits_rounded_the_wrong_way_make_no_cutter_impossible():
-    assert parse_cl(f"CUTTER/3.3078,0.8000,1.0400,0.8000,0,15,25\n{path()}").cutter.sizes[0] == 3.3078
+    assert parse_cl(f"CUTTER/3.3078,0.8000,1.0400,0.8000,0,15,25\n{path()}").tools[0].sizes.sizes[0] == 3.3078
     with pytest.raises(InputError, match="d differ"):
         compared("CUTTER/3.3078,0.8000,1.0400,0.8000,0,15,25")

@@ -38,7 +38,7 @@ def test_reads_moves_modes_names_and_cutter():
     cut = program.path("convex")
     assert np.allclose(cut.tips, [[0, 0, 10], [1, 2, 3], [4, 5, 6], [7, 8, 9]])
     assert np.allclose(cut.axes, [[0, 0, 1], [0, 0.6, 0.8], [0.6, 0, 0.8], [0.6, 0, 0.8]])
-    assert apt_parameters(program.cutter) == pytest.approx((6, 0.5, 2.5, 0.5, 0, 0, 20))
+    assert apt_parameters(program.tools[0].sizes) == pytest.approx((6, 0.5, 2.5, 0.5, 0, 0, 20))
 
 
 def test_a_new_start_point_begins_a_new_path():
@@ -55,7 +55,7 @@ def test_what_is_written_is_read_back(cutter, rng):
     for name in ("convex", "concave"):
         assert np.allclose(again.path(name).tips, program.path(name).tips, atol=1e-11)
         assert np.allclose(again.path(name).axes, program.path(name).axes, atol=1e-11)
-    assert np.allclose(apt_parameters(again.cutter), apt_parameters(cutter), atol=1e-7)
+    assert np.allclose(again.tools[0].sizes.sizes, apt_parameters(cutter), atol=1e-7)
     assert np.allclose(again.paths[0].tips[0], passes[0].tips[0] + 15.0 * passes[0].axes[0], atol=1e-11)
 
 

@@ -125,7 +125,7 @@ def test_a_program_that_is_cut_off_is_told():
     assert "cut off" in read("G0 X1").notes[-1]
     for program in ("G0 X1\nM2", "G0 X1 M30\n", "%\nG0 X1\n%\n", "o1 sub\nG0 X1\no1 endsub\no1 call\nM2"):
         assert read(program).notes == ()
-    assert read("G0 X1", "fanuc").notes == ()
+    assert read("G0 X1.", "fanuc").notes == ()
 
 
 def test_lines_passed_over_are_read_for_their_comments():

@@ -173,8 +173,9 @@ def test_the_program_tells_of_itself():
     assert program.tools == (3, 5)
     assert_array_equal(program.blocks.operation, [0, 0, 1, 1, 2, 2])
     assert_array_equal(program.blocks.tool, [3, 3, 3, 3, 5, 5])
-    assert len(program.notes) == 1
+    assert len(program.notes) == 2
     assert "G64 (line 16 first)" in program.notes[0]
+    assert "numbers without a decimal point are read as those with one" in program.notes[1]
 
 
 def test_block_delete_and_the_end_of_the_program():

@@ -175,9 +175,9 @@ def test_semicolons_end_blocks_on_a_fanuc():
 
 
 def test_offsets_without_a_place_are_told():
-    program = read("G54 G0 X1\nG55 X2\nG54.1 P3 X3\nG55", "fanuc", offsets={"G54": {"X": 1.0}})
+    program = read("G54 G0 X1.\nG55 X2.\nG54.1 P3 X3.\nG55", "fanuc", offsets={"G54": {"X": 1.0}})
     assert program.notes == (
         "G55 has no place in the settings, zero is assumed (line 2 first)",
         "G54.1 P3 has no place in the settings, zero is assumed (line 3 first)",
     )
-    assert read("G54 G0 X1\nM2").notes == ()
+    assert read("G54 G0 X1.\nM2").notes == ()

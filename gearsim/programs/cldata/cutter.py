@@ -72,12 +72,22 @@ def _require_possible(stated: CutterSizes) -> None:
         if min(stated.sizes) < 0.0 or stated.sizes[0] == 0.0:
             raise InputError(f"impossible {stated}: a diameter must be positive, a corner radius not negative")
         return
+    cutter_of(stated)
+
+
+def cutter_of(stated: CutterSizes) -> Profile:
+    """The cutter that all seven numbers state, its corner as much larger as their digits need to meet the flank.
+
+    Raises InputError where fewer are stated, or no tool is.
+    """
+    if len(stated.sizes) < len(LETTERS):
+        raise InputError(f"{stated} states no whole tool; expected CUTTER/{','.join(LETTERS)}")
     try:
-        _apt(stated.sizes)
+        return _apt(stated.sizes)
     except InputError as error:
         d, r, *rest = stated.sizes
         try:
-            _apt((d, r + 4.0 * stated.unsure * (r > 0.0), *rest))
+            return _apt((d, r + 4.0 * stated.unsure * (r > 0.0), *rest))
         except InputError:
             raise error from None
 
@@ -120,18 +130,21 @@ def sizes_of(cutter: Profile) -> CutterSizes:
     return CutterSizes(apt_parameters(cutter), 0.0)
 
 
-def check_cutter(theirs: CutterSizes | None, cutter: Profile, file: str) -> tuple[str, ...]:
-    """Refuse a CL file made for another cutter than ``cutter`` (InputError); what could not be compared, in words."""
+def check_cutter(theirs: CutterSizes | None, cutter: Profile, file: str, name: str = "[cutter]") -> tuple[str, ...]:
+    """Refuse a CL file made for another cutter than the scene's, which goes by ``name`` there (InputError).
+
+    What could not be compared, in words.
+    """
     if theirs is None:
         return ()
     if not _is_apt(cutter):
-        return (f"{theirs} (line {theirs.line}) was not compared: the scene's {cutter.name} is no APT cutter",)
+        return (f"{theirs} (line {theirs.line}) was not compared: the scene's {name}, {cutter.name}, is no APT cutter",)
     ours = sizes_of(cutter)
     if letters := theirs.differs(ours):
         where = f"{file} is for {theirs} (line {theirs.line})"
-        raise InputError(f"{where}; the scene's [cutter] is {ours}: {', '.join(letters)} differ")
+        raise InputError(f"{where}; the scene's {name} is {ours}: {', '.join(letters)} differ")
     if theirs.height is None:
         return (f"{theirs} states no more of the tool; the scene's is {ours}",)
     if abs(theirs.height - cutter.height) > theirs.unsure:
-        return (f"{theirs} has its height, the scene's [cutter] {cutter.height:g} mm; the scene's is cut",)
+        return (f"{theirs} has its height, the scene's {name} {cutter.height:g} mm; the scene's is cut",)
     return ()

@@ -6,10 +6,10 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from gearsim.programs.cldata.cutter import CutterSizes
 from gearsim.programs.cldata.frame import Units
 from gearsim.programs.cldata.lexer import Statement
 from gearsim.programs.cldata.program import CLPath
+from gearsim.programs.cldata.tools import CLTool
 
 _LARGE_TOOL = 100.0  # mm: tools and paths above are rather millimetres under UNITS/INCHES
 _LARGE_PATH = 1500.0
@@ -30,7 +30,7 @@ class Notes:
         self._add(f"{s.word}: text for the machine's program, not read; what it moves there is not cut", s)
 
     def not_used(self, s: Statement) -> None:
-        self._add(f"{s.word} is not used; the scene's cutter is cut", s)
+        self._add(f"{s.word} is not used; CUTTER and the scene say what is cut", s)
 
     def move_in_text(self, s: Statement) -> None:
         self._add(f"the text of {s.word} holds a motion word, which is text there and moves nothing", s)
@@ -47,7 +47,7 @@ class Notes:
     def without_feed(self, s: Statement) -> None:
         self._fed_late.append(s.line)
 
-    def units(self, units: Units, paths: Sequence[CLPath], cutter: CutterSizes | None) -> None:
+    def units(self, units: Units, paths: Sequence[CLPath], tools: Sequence[CLTool]) -> None:
         """Told: no unit, or inches, and those that look like millimetres."""
         if units.stated is None:
             self._said.append("no UNITS: lengths are read as millimetres")
@@ -55,7 +55,7 @@ class Notes:
             return
         assert units.stated is not None
         reach = max(float(np.abs(path.tips).max()) for path in paths)
-        large = reach > _LARGE_PATH or (cutter is not None and cutter.sizes[0] > _LARGE_TOOL)
+        large = reach > _LARGE_PATH or any(t.sizes is not None and t.sizes.sizes[0] > _LARGE_TOOL for t in tools)
         doubt = "; so large, the numbers look like millimetres, but the file says inches" if large else ""
         converted = f"converted to millimetres, tips lie up to {reach:.4g} mm off"
         self._said.append(f"{units.stated} (line {units.stated.line}): {converted}{doubt}")

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from gearsim.programs.cldata.cutter import CutterSizes
+from gearsim.programs.cldata.tools import CLTool
 
 RAPID = "rapid"
 UNNAMED = "cut"
@@ -17,25 +17,27 @@ UNNAMED = "cut"
 class CLPath:
     """Consecutive moves of one kind: ``tips`` [mm] and unit ``axes``, shape (n, 3), first point included.
 
-    ``name`` is the pass's name (UNNAMED: the file gives none), or RAPID for moves at rapid rate.
+    ``name`` is the pass's name (UNNAMED: the file gives none), or RAPID for moves at rapid rate; ``tool`` counts the
+    program's tools from 0.
     """
 
     name: str
     tips: NDArray[np.floating]
     axes: NDArray[np.floating]
+    tool: int = 0
 
 
 @dataclass(frozen=True)
 class CLProgram:
-    """A CL program: its paths in order, the cutter it declares and its slowest feed in a cutting move [mm/min].
+    """A CL program: its paths in order, the tools they are run with and the slowest feed in a cutting move [mm/min].
 
-    ``fastest`` [mm/min] is the largest such feed, ``spindle`` [1/min] the last speed. ``cutter``, feeds and speed are
-    None where the file states none. ``named``: the line of each pass name; ``notes``: what a person must be told of
+    ``fastest`` [mm/min] is the largest such feed, ``spindle`` [1/min] the last speed. Feeds and speed are None where
+    the file states none. ``named``: the line of each pass name; ``notes``: what a person must be told of
     the reading.
     """
 
     paths: tuple[CLPath, ...]
-    cutter: CutterSizes | None = None
+    tools: tuple[CLTool, ...] = (CLTool(),)
     feed: float | None = None
     fastest: float | None = None
     spindle: float | None = None

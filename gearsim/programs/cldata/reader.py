@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from gearsim.errors import InputError
+from gearsim.errors import InputError, read_input_bytes
 from gearsim.programs.cldata.cutter import read_cutter
 from gearsim.programs.cldata.feed import Feed, Spindle, read_feed, read_spindle
 from gearsim.programs.cldata.frame import ToolAxis, Units, require_identity
@@ -17,7 +17,7 @@ from gearsim.programs.cldata.lexer import MOVES_WITHIN, Statement, statements
 from gearsim.programs.cldata.notes import Notes
 from gearsim.programs.cldata.numbers import numbers
 from gearsim.programs.cldata.program import RAPID, UNNAMED, CLPath, CLProgram
-from gearsim.programs.cldata.tools import OneTool
+from gearsim.programs.cldata.tools import ToolChanges
 from gearsim.programs.cldata.words import FOR_THE_MACHINE, MOTION, TOOL_DATA, is_read, supported, unknown_words
 
 _PASS = re.compile(r"['\"]?PASS\s+([A-Z0-9_.-]+)['\"]?", re.I)
@@ -27,10 +27,7 @@ _POINT = "x,y,z or {}/x,y,z,i,j,k"
 
 def read_cl_text(file: Path) -> str:
     """The text of a CL file; comments may be in any encoding. Raises InputError where it cannot be read."""
-    try:
-        data = file.read_bytes()
-    except OSError as error:
-        raise InputError(f"cannot read CL file {file}: {error.strerror}") from error
+    data = read_input_bytes(file, "CL file")
     try:
         return data.decode("utf-16" if data[:2] in (b"\xff\xfe", b"\xfe\xff") else "utf-8-sig")
     except UnicodeDecodeError:
@@ -59,7 +56,7 @@ class _Reader:
 
     def __init__(self, name: str):
         self.name = name
-        self.units, self.axis, self.tool, self.notes = Units(), ToolAxis(), OneTool(), Notes()
+        self.units, self.axis, self.tool, self.notes = Units(), ToolAxis(), ToolChanges(), Notes()
         self.rapid = False
         self.label = UNNAMED
         self.named: dict[str, int] = {}
@@ -67,7 +64,7 @@ class _Reader:
         self.spindle = Spindle()
         self.feeds: list[float] = []
         self.at: tuple[NDArray, NDArray] | None = None
-        self.moves: list[tuple[str, list[NDArray], list[NDArray]]] = []
+        self.moves: list[tuple[tuple[str, int], list[NDArray], list[NDArray]]] = []
         self.ended: Statement | None = None
         self._take: dict[str, Callable[[Statement], None]] = {
             "GOTO": self._goto, "FROM": self._goto, "GODLTA": self._by, "RAPID": self._rapid,
@@ -155,19 +152,19 @@ class _Reader:
 
     def _reach(self, s: Statement, tip: NDArray, axis: NDArray) -> None:
         if s.word != "FROM":
-            self.tool.moves(s.line)
+            tool = self.tool.moves(s.line)
             if self.at is not None:
-                self._move(s, tip, axis)
+                self._move(s, tip, axis, tool)
             self.rapid = False
         elif self.at is not None and not (np.array_equal(tip, self.at[0]) and np.array_equal(axis, self.at[1])):
             self.notes.set_elsewhere(s)
         self.at = (tip, axis)
 
-    def _move(self, s: Statement, tip: NDArray, axis: NDArray) -> None:
+    def _move(self, s: Statement, tip: NDArray, axis: NDArray, tool: int) -> None:
         assert self.at is not None
         if np.array_equal(tip, self.at[0]) and np.array_equal(axis, self.at[1]):
             return
-        label = RAPID if self.rapid else self.label
+        label = (RAPID if self.rapid else self.label, tool)
         if not (self.moves and self.moves[-1][0] == label and self._at_end_of(*self.moves[-1][1:])):
             self.moves.append((label, [self.at[0]], [self.at[1]]))
         self.moves[-1][1].append(tip)
@@ -189,11 +186,11 @@ class _Reader:
             self.feeds = [min(feed, *self.feeds), max(feed, *self.feeds)] if self.feeds else [feed, feed]
 
     def program(self) -> CLProgram:
-        if not any(label != RAPID for label, _, _ in self.moves):
+        if not any(name != RAPID for (name, _), _, _ in self.moves):
             raise InputError(f"{self.name}: no cutting moves; a path needs at least two GOTO points")
-        paths = tuple(CLPath(label, np.array(tips), np.array(axes)) for label, tips, axes in self.moves)
-        self.notes.units(self.units, paths, self.tool.cutter)
+        paths = tuple(CLPath(name, np.array(tips), np.array(axes), k) for (name, k), tips, axes in self.moves)
+        self.notes.units(self.units, paths, self.tool.used)
         slowest, fastest = self.feeds or (None, None)
         speed = None if self.spindle.last is None else float(self.spindle.last)
         notes = self.notes.told(slowest)
-        return CLProgram(paths, self.tool.cutter, slowest, fastest, speed, tuple(self.named.items()), notes)
+        return CLProgram(paths, self.tool.used, slowest, fastest, speed, tuple(self.named.items()), notes)

@@ -5,15 +5,17 @@ from __future__ import annotations
 import numpy as np
 
 from gearsim.cutters.profile import Profile
-from gearsim.programs.cldata.cutter import apt_parameters, sizes_of
+from gearsim.programs.cldata.cutter import sizes_of
 from gearsim.programs.cldata.program import RAPID, CLPath, CLProgram
+from gearsim.programs.cldata.tools import CLTool
 
 
 def format_cl(program: CLProgram, title: str, feed_mm_min: float, decimals: int) -> str:
-    """CL data as text with ``decimals`` digits behind the point."""
+    """CL data of one tool as text with ``decimals`` digits behind the point."""
     lines = [f"PARTNO {title}", "UNITS/MM", "MULTAX/ON"]
-    if program.cutter is not None:
-        lines.append("CUTTER/" + ",".join(f"{v:.9g}" for v in apt_parameters(program.cutter)))
+    (tool,) = program.tools
+    if tool.sizes is not None:
+        lines.append("CUTTER/" + ",".join(f"{v:.9g}" for v in tool.sizes.sizes))
     for i, path in enumerate(program.paths):
         lines.append(f"$$ {len(path.tips) - 1} moves, {path.name}")
         rows = np.round(np.hstack([path.tips, path.axes]), decimals) + 0.0
@@ -46,4 +48,4 @@ def assemble(passes: list[CLPath], retract: float, cutter: Profile) -> CLProgram
             path,
             CLPath(RAPID, away, np.array([end_axis, end_axis])),
         ]
-    return CLProgram(tuple(paths), sizes_of(cutter))
+    return CLProgram(tuple(paths), (CLTool(sizes=sizes_of(cutter)),))

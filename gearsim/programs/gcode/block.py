@@ -71,6 +71,19 @@ class Block:
             raise self.error(word, f"expected a whole number from 0 to {largest} behind {word.letter}")
         return nearest
 
+    def without_point(self) -> list[str]:
+        """The letters of lengths and angles other than zero whose numbers have no decimal point."""
+        lengths = {letter: self.letters[letter] for letter in "IJKR" if letter in self.letters} | self.axes
+        text = self.line.text
+        return [a for a, word in lengths.items() if word.value != 0.0 and "." not in text[word.start : word.end]]
+
+    def scale(self, letter: str, factor: float) -> None:
+        """Multiply a word's number."""
+        word = self.letters[letter]
+        self.letters[letter] = word._replace(value=word.value * factor)
+        if letter in self.axes:
+            self.axes[letter] = self.letters[letter]
+
     def check_all_taken(self) -> None:
         """Refuse the first word that nothing in the block has a use for."""
         for letter, word in self.letters.items():

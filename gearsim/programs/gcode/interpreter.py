@@ -80,7 +80,13 @@ class Interpreter:
             word = None if letter in self.axes else block.take(letter)
             if word is not None and (letter != "N" or not self.dialect.parameters):
                 block.whole(word)
+            if word is not None and letter == "D":
+                self.journal.tell(
+                    "D, the number of a tool's radius, is not used: the tool's centre is programmed", block
+                )
         self._units_and_feed(block)
+        if not self.dialect.parameters:
+            self._points(block)
         self.tooling.change(block)
         self._modes(block)
         motion = block.g.get("motion")
@@ -112,6 +118,16 @@ class Interpreter:
             if speed.value < 0.0:
                 raise block.error(speed, "a spindle speed is not negative")
             state.spindle = speed.value
+
+    def _points(self, block: Block) -> None:
+        """Numbers without a decimal point: told once, and counted in least increments where the settings say so."""
+        increment, bare = self.settings.least_increment, block.without_point()
+        if bare:
+            self.journal.without_point(block.line.number, increment)
+        for letter in bare if increment else ():
+            column = self.state.column.get(letter)
+            is_length = column is None or not self.state.machine.joints[column].is_rotary
+            block.scale(letter, 0.1 * increment if is_length and self.state.scale != 1.0 else increment)
 
     def _modes(self, block: Block) -> None:
         state = self.state

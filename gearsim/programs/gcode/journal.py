@@ -21,6 +21,7 @@ class Journal:
         self.operations: list[str] = []
         self.ignored: dict[str, int] = {}
         self.assumed: dict[str, int] = {}
+        self.told: dict[str, int] = {}
         self.has_end = True
         self._comment = ""
         self._has_cut = False
@@ -63,12 +64,28 @@ class Journal:
             for code, line in self.ignored.items()
         )
         assumed = (f"{what} is assumed (line {line} first)" for what, line in self.assumed.items())
+        told = (f"{what} (line {line} first)" for what, line in self.told.items())
         cut_off = "the program is cut off: LinuxCNC expects M2, M30 or a second % at its end"
-        return (*smoothed, *assumed, *(() if self.has_end else (cut_off,)))
+        return (*smoothed, *assumed, *told, *(() if self.has_end else (cut_off,)))
 
     def assume(self, what: str, block: Block) -> None:
         """The reading takes something for granted that nobody has stated."""
         self.assumed.setdefault(what, block.line.number)
+
+    def tell(self, what: str, block: Block) -> None:
+        """The program says something that a person may not have meant, or that has no use here."""
+        self.told.setdefault(what, block.line.number)
+
+    def without_point(self, line: int, increment: float) -> None:
+        """A length or an angle other than zero has no decimal point."""
+        if increment:
+            what = f"numbers without a decimal point count least increments, {increment:g} mm or deg"
+        else:
+            what = (
+                "numbers without a decimal point are read as those with one: X100 is 100 mm; a control that counts "
+                "least increments reads 0.1 mm: control.least_increment_mm in a scene"
+            )
+        self.told[what] = min(line, self.told.get(what, line))
 
     def _begin(self, name: str, state: State) -> None:
         if self.operations and not self._has_cut:

@@ -39,6 +39,7 @@ class Offsets:
         self._known = {name: settings.place(place, machine, name) for name, place in settings.offsets.items()}
         self._workpiece = self._known.get(settings.workpiece, self._none)[:]
         self._z = machine.axes.index("Z") if "Z" in machine.axes else None
+        self.length = settings.tool_lengths.get(settings.start_tool, 0.0)
 
     @property
     def excess(self) -> float:

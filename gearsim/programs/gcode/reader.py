@@ -62,6 +62,8 @@ class Reader:
         number = 1
         for piece in self.text.pieces():
             scan = self.scanner.scan(piece)
+            if self.interpreter.settings.least_increment:
+                scan.special[:] |= scan.bare
             self._piece(scan, number)
             number += len(scan.special)
             if self.progress is not None:
@@ -90,6 +92,9 @@ class Reader:
     def _plain(self, scan: Scan, number: int, first: int, last: int) -> int:
         """Run plain lines in vector form; how many could be."""
         run = PlainRun(scan, self.scanner.column, self.interpreter.state, first, last)
+        bare = np.flatnonzero(scan.bare[first : first + run.count])
+        if len(bare):
+            self.journal.without_point(number + first + int(bare[0]), 0.0)
         moves = run.moves(number + first)
         if moves is not None:
             self.journal.move(bool((moves.motion != RAPID).any()))

@@ -36,7 +36,8 @@ _NUMBERS = bytes(c if chr(c) in "+-.0123456789" else 32 for c in range(256))
 class Scan(NamedTuple):
     """Lines taken apart: line i is ``text[ends[i] + 1 : ends[i + 1]]``; ``special`` (n,) marks those not plain.
 
-    ``values`` and ``present`` (columns, n): the numbers as written, a column a letter or group.
+    ``values`` and ``present`` (columns, n): the numbers as written, a column a letter or group. ``bare`` (n,) marks
+    lines in which a length or an angle other than zero has no decimal point, where the dialect's controls mind it.
     """
 
     text: bytes
@@ -44,6 +45,7 @@ class Scan(NamedTuple):
     special: NDArray[np.bool_]
     values: NDArray[np.floating]
     present: NDArray[np.bool_]
+    bare: NDArray[np.bool_]
 
     def raw(self, i: int) -> bytes:
         """A line's bytes."""
@@ -58,6 +60,7 @@ class Scanner:
         names = [*axes, *"FIJKRN", "motion", "distance", "feed mode", "other G"]
         self.column = {name: i for i, name in enumerate(names)}
         letters = {**self.column, "G": self.column["other G"]}
+        self._lengths = np.isin(names, [*axes, *"IJKR"])
         self._columns = _table({c: letters[c] + 1 for c in letters if len(c) == 1})
         self._classes = _classes([c for c in letters if len(c) == 1])
         self._g_columns = np.full(1000, self.column["other G"])
@@ -77,9 +80,9 @@ class Scanner:
         numbers = _numbers(cleaned, len(at))
         count = len(special)
         values = np.zeros((len(self.column), count))
-        present = np.zeros((len(self.column), count), dtype=bool)
+        present, bare = np.zeros((len(self.column), count), dtype=bool), np.zeros(count, dtype=bool)
         if numbers is None:
-            return Scan(text, ends, np.ones(count, dtype=bool), values, present)
+            return Scan(text, ends, np.ones(count, dtype=bool), values, present, bare)
         words = np.diff(np.searchsorted(at, ends))
         lines = np.repeat(np.arange(count), words)
         columns = self._sorted(marks[at].astype(np.intp) - 1, numbers)
@@ -87,12 +90,14 @@ class Scanner:
         values.reshape(-1)[cells] = numbers
         present.reshape(-1)[cells] = True
         special[lines[np.abs(numbers) > VALUE_LIMIT]] = True
-        if self.dialect.parameters:  # the line number stands first
+        if not self.dialect.parameters:
+            bare[lines[self._lengths[columns] & (numbers != 0.0) & ~_with_point(classes, at)]] = True
+        else:  # the line number stands first
             special[lines[1:][(columns[1:] == self.column["N"]) & (lines[1:] == lines[:-1])]] = True
         number = values[self.column["N"]]
         special |= (present.sum(axis=0) != words) | present[self.column["other G"]]
         special |= (number < 0.0) | (number != np.floor(number)) | (number > 99_999_999)
-        return Scan(text, ends, special, values, present)
+        return Scan(text, ends, special, values, present, bare)
 
     def _sorted(self, columns: NDArray, numbers: NDArray) -> NDArray:
         """The columns with G words sorted into their groups; the numbers of G words become whole codes."""
@@ -102,6 +107,13 @@ class Scanner:
         known = np.abs(codes - given) < 1e-6
         columns[words] = np.where(known, self._g_columns[codes.astype(np.intp)], self.column["other G"])
         return columns
+
+
+def _with_point(classes: NDArray, at: NDArray) -> NDArray[np.bool_]:
+    """Of words that begin at places of the text: whether a decimal point stands before the next one."""
+    points = np.flatnonzero(classes == _POINT)
+    before = np.searchsorted(points, np.append(at, len(classes)))
+    return before[1:] > before[:-1]
 
 
 def _wrong(classes: NDArray) -> NDArray[np.integer]:

@@ -32,9 +32,12 @@ class ReadSettings:
     | ``units`` | what holds before G20 or G21 |
     | ``arc_tolerance`` | how far an arc's end may lie off its circle [mm] (None: the control's own limit) |
     | ``tools`` | the tools there are (None: any). With them given the program is meant to be cut: see ``Placing`` |
+    | ``start_tool`` | the tool that is in the spindle before the first M6 (0: none) |
+    | ``unstated_is_zero`` | whether, with ``tools``, offsets and lengths that nobody states are zero (else refused) |
+    | ``least_increment`` | what a length without a decimal point counts in [mm]; an inch's is a tenth of that in |
+    | | inches, an angle's as many degrees (0: numbers are read as a pocket calculator does: X10 is X10.) |
     | ``block_limit`` | how many lines may be executed before a loop counts as endless |
 
-    Numbers are read as a pocket calculator does: X10 is X10. (not 10 micrometres).
     Raises InputError for numbers that are not finite.
     """
 
@@ -47,13 +50,20 @@ class ReadSettings:
     units: Literal["mm", "inch"] = "mm"
     arc_tolerance: float | None = None
     tools: tuple[int, ...] | None = None
+    start_tool: int = 0
+    unstated_is_zero: bool = False
+    least_increment: float = 0.0
     block_limit: int = 1_000_000
 
     def __post_init__(self) -> None:
         places = [*self.offsets.items(), ("home", self.home), ("start", self.start or {})]
         numbers = [(f"{name}, axis {axis}", value) for name, place in places for axis, value in place.items()]
         numbers += [(f"tool_lengths, H{number}", value) for number, value in self.tool_lengths.items()]
-        for name, value in [*numbers, ("arc_tolerance", self.arc_tolerance or 0.0)]:
+        for name, value in [
+            *numbers,
+            ("arc_tolerance", self.arc_tolerance or 0.0),
+            ("least_increment", self.least_increment),
+        ]:
             if not isfinite(value):
                 raise InputError(f"settings of the program reader, {name}: expected a finite number, got {value}")
 

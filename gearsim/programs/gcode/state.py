@@ -60,6 +60,7 @@ class State:
         begin = settings.home if settings.start is None else settings.start
         self.position = self.offsets.from_machine(settings.place(begin, machine, "start"))
         self.home = settings.place(settings.home, machine, "home")
+        self.tool = settings.start_tool
         self.shift = self.offsets.shift()
         self.motion = self.dialect.start_motion
         self.scale = self.feed_scale = INCH if settings.units == "inch" else 1.0

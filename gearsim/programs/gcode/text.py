@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
-from gearsim.errors import InputError
+from gearsim.errors import read_input_bytes
 from gearsim.programs.gcode.errors import Line
 
 _PIECE = 1 << 20
@@ -58,10 +58,7 @@ def open_text(source: str | Path) -> Text:
     """
     if isinstance(source, str):
         return Text("program", source.removeprefix("\ufeff").encode("utf-8", "replace"))
-    try:
-        data = source.read_bytes()
-    except OSError as error:
-        raise InputError(f"cannot read program {source}: {error.strerror}") from error
+    data = read_input_bytes(source, "program")
     if data.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)):
         data = data.decode("utf-16", "replace").encode("utf-8", "replace")
     return Text(str(source), data.removeprefix(codecs.BOM_UTF8))

@@ -68,6 +68,8 @@ class Tooling:
             raise block.error(word, f"tool centre point control needs slides X, Y, Z; there are {there}")
         number, register = self._register(block, code, word)
         length = self._length(block, register, number)
+        if number and state.tool and number != state.tool:
+            self.journal.tell(f"H{number} is compensated while T{state.tool} is in the spindle", block)
         if code == 432:
             length, number = length + state.offsets.compensated, -1
         self._compensate(block, word, length, number, code == 434)
@@ -105,8 +107,10 @@ class Tooling:
             self._length(block, word, number)
 
     def _length(self, block: Block, word: Word, number: int) -> float:
-        lengths = self.settings.tool_lengths
-        if lengths and number and number not in lengths:
+        lengths, free = self.settings.tool_lengths, self.settings.unstated_is_zero
+        if free and number and number not in lengths:
+            self.journal.assume(f"nobody states the length of H{number}, zero", block)
+        elif lengths and number and number not in lengths:
             known = ", ".join(str(n) for n in sorted(lengths))
             raise block.error(word, f"the settings have no length for tool {number}; they have {known}")
         return lengths.get(number, 0.0) if number else 0.0

@@ -1,0 +1,31 @@
+"""How much memory there is, and jobs that would need more: refused with the number before anything is made."""
+
+from __future__ import annotations
+
+import os
+from math import inf
+
+from gearsim.errors import InputError
+
+RAY_BYTES = 450  # of a ray asked for, with what is found along it: measured
+
+
+def memory_bytes() -> float:
+    """The machine's memory, or less where this process may not use all of it; infinite where it cannot be asked."""
+    if os.name != "posix":
+        return inf
+    import resource
+
+    machine = os.sysconf("SC_PHYS_PAGES") * os.sysconf("SC_PAGE_SIZE")
+    allowed = resource.getrlimit(resource.RLIMIT_AS)[0]
+    return machine if allowed == resource.RLIM_INFINITY else min(machine, allowed)
+
+
+def require_room(rays: float, what: str, remedy: str) -> None:
+    """Raise InputError where ``rays`` rays, made by ``what``, need more memory than there is."""
+    needed, there = RAY_BYTES * rays, memory_bytes()
+    if not needed <= there:
+        raise InputError(
+            f"{what} makes {rays:.3g} rays, which need about {1e-9 * needed:.3g} GB; this machine has "
+            f"{1e-9 * there:.3g} GB: {remedy}"
+        )
