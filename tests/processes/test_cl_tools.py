@@ -108,7 +108,7 @@ def test_tools_of_shapes_that_no_numbers_state_are_found_by_their_number():
     assert cl_cutters(two("LOADTL/1", "LOADTL/2"), "own.cl", None, named)[0] == tuple(named.values())
     cutters, notes = cl_cutters(two(f"LOADTL/1\n{BALL}", f"LOADTL/2\n{MILL}"), "own.cl", None, named)
     assert cutters == tuple(named.values())
-    assert notes[0].endswith("(line 2) is not compared with the scene's tool 1, a barrel cutter")
+    assert notes[0].endswith("(line 2) was not compared: the scene's tool 1, barrel cutter, is no APT cutter")
     stated, _ = cl_cutters(
         two(BALL, MILL), "own.cl", None, {1: barrel(10.0, 60.0, 10.0, 30.0), 2: lollipop(16.0, 4.0, 60.0)}
     )

@@ -126,12 +126,10 @@ def test_a_tool_that_cuts_no_sample_is_unchecked():
     assert "no operation touches the surface with the chosen tool" in result.status
 
 
-def test_worked_examples_that_choose_none_are_unchecked():
+def test_worked_examples_that_choose_none_are_refused():
     assert run("gouge-cases").verdict == "pass"
-    result = run("gouge-cases", overrides=('reference.names=["no such example"]',))
-    assert result.measurements["", "printed", "worked examples"].rows == ()
-    assert (result.verdict, result.exit_code) == ("unchecked", 3)
-    assert "choose no worked example" in result.status
+    with pytest.raises(InputError, match="no worked example of these sections begins with 'no such example'"):
+        run("gouge-cases", overrides=('reference.names=["no such example"]',))
 
 
 def test_the_files_of_a_run(gouged, tmp_path):

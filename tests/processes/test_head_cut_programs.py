@@ -142,7 +142,7 @@ def test_a_face_milled_surface_is_cut_from_gcode_by_an_end_mill(milled):
         ({"cutter": {"kind": "ball", "diameter_mm": 2.0, "height_mm": 9.0}}, "head: missing; the tools"),
         ({"machine": None}, "machine: missing; axis values are run by a"),
         ({"tools": [{"number": n, "diameter_mm": 2.0, "flute_length_mm": 9.0} for n in (1, 2)], "cutter": None},
-         "CL data and axis values are cut with one tool"),
+         "axis values are cut with one tool"),
         ({"toolpath": {"file": "gone.csv"}}, r"cannot read axis table .*gone\.csv"),
         ({"toolpath": {"kind": "drop", "file": "roll.csv"}},
          "toolpath.kind: got 'drop'; .* 'hypoid-pinion' is cut by its own planner .no kind. or 'program'"),
