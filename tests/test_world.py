@@ -9,6 +9,7 @@ import pytest
 
 from gearsim.errors import InputError, written
 from gearsim.scene import scene_text
+from tests.limits import files_no_larger_than
 
 GOUGE = ("gouge", "khan-9-1-free-form", "--cutter", "bull", "diameter_mm=40", "corner_radius_mm=15", "--grid", "8")
 
@@ -88,20 +89,11 @@ def test_kernels_that_find_no_room_are_not_begun(tmp_path):
     assert not [f for f in tmp_path.rglob("*") if f.is_file()]
 
 
-@pytest.fixture
-def room():
-    """Files of this process may be no larger than so many bytes."""
-    soft, hard = resource.getrlimit(resource.RLIMIT_FSIZE)
-    yield lambda size: resource.setrlimit(resource.RLIMIT_FSIZE, (size, hard))
-    resource.setrlimit(resource.RLIMIT_FSIZE, (soft, hard))
-
-
-def test_a_file_that_finds_no_room_leaves_the_older_one(tmp_path, room):
+def test_a_file_that_finds_no_room_leaves_the_older_one(tmp_path):
     file = tmp_path / "points.csv"
     file.write_text("older")
-    room(1000)
     with pytest.raises(InputError, match=r"cannot write point list .*points\.csv: File too large"), \
-            written(file, "point list") as scratch:  # fmt: skip
+            files_no_larger_than(1000), written(file, "point list") as scratch:  # fmt: skip
         scratch.write_text("x" * 2000)
     assert file.read_text() == "older"
     assert list(tmp_path.iterdir()) == [file]

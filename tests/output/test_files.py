@@ -1,7 +1,6 @@
 import errno
 import json
 import os
-import resource
 import signal
 import subprocess
 import sys
@@ -18,6 +17,7 @@ from gearsim.output.painting import Painters
 from gearsim.output.wanted import Wanted
 from gearsim.output.write import write_result
 from gearsim.surfaces.patch import SIDES
+from tests.limits import files_no_larger_than
 
 PICTURES = {
     "tooth.png",
@@ -206,14 +206,9 @@ def test_killing_a_run_half_way_leaves_no_file_that_looks_finished(tmp_path):
 @pytest.mark.parametrize("size", [3_000, 60_000])
 def test_a_disk_that_takes_no_more_leaves_nothing(result, tmp_path, size):
     out = tmp_path / "out"
-    soft, hard = resource.getrlimit(resource.RLIMIT_FSIZE)
-    resource.setrlimit(resource.RLIMIT_FSIZE, (size, hard))
-    try:
-        with pytest.raises(InputError, match=r"cannot write into output folder .*out: .*File too large"), \
-                staged(out) as stage, into(out):  # fmt: skip
-            write_result(result, stage, Painters(Wanted(pictures=False)))
-    finally:
-        resource.setrlimit(resource.RLIMIT_FSIZE, (soft, hard))
+    with pytest.raises(InputError, match=r"cannot write into output folder .*out: .*File too large"), \
+            files_no_larger_than(size), staged(out) as stage, into(out):  # fmt: skip
+        write_result(result, stage, Painters(Wanted(pictures=False)))
     assert list(tmp_path.iterdir()) == []
 
 
@@ -229,13 +224,8 @@ def test_a_drawing_process_that_the_disk_refuses_ends_the_run(tmp_path):
 def test_a_mesh_that_finds_no_room_ends_no_process(tmp_path):
     import pyvista as pv
 
-    soft, hard = resource.getrlimit(resource.RLIMIT_FSIZE)
-    resource.setrlimit(resource.RLIMIT_FSIZE, (1000, hard))
-    try:
-        with pytest.raises(OSError, match="File too large"):
-            write_vtp(pv.Sphere(), {"scene": "a"}, tmp_path / "tooth.vtp")
-    finally:
-        resource.setrlimit(resource.RLIMIT_FSIZE, (soft, hard))
+    with pytest.raises(OSError, match="File too large"), files_no_larger_than(1000):
+        write_vtp(pv.Sphere(), {"scene": "a"}, tmp_path / "tooth.vtp")
 
 
 def test_scratch_folders_of_killed_runs_are_cleared_and_those_of_living_ones_kept(tmp_path):
