@@ -12,7 +12,7 @@ import gearsim
 from gearsim.metrology.findings import Finding
 from gearsim.metrology.inspection import Reading
 from gearsim.metrology.job import Job
-from gearsim.metrology.verdict import Verdict
+from gearsim.metrology.verdict import Verdict, headline
 
 
 @dataclass(frozen=True)
@@ -55,6 +55,11 @@ class Result:
     def findings(self) -> tuple[Finding, ...]:
         """What an engineer must be told, inspection after inspection."""
         return tuple(f for reading in self.readings for f in reading.findings)
+
+    @property
+    def headline(self) -> str:
+        """What the verdict says in words, with everything known to be wrong."""
+        return headline(self.verdict, self.status, self.readings, self.counts["rays"] > 0)
 
     @property
     def exit_code(self) -> int:

@@ -34,6 +34,11 @@ class Finding:
     fails: bool
     text: str
 
+    @property
+    def told(self) -> str:
+        """Text and depth, without the place."""
+        return self.text if self.depth_um is None else f"{self.text} ({self.depth_um:+.4g} um)"
+
 
 def cross_cut(grid: SampleGrid, strangers: Deviation, tolerance: Tolerance | None) -> Iterator[Finding]:
     """The deepest cut of operations that are not meant for this surface."""

@@ -21,7 +21,7 @@ from gearsim.metrology.roads import LIMIT_UM, RoadGap, road_gap
 from gearsim.metrology.samples import SampleGrid, sample_grid
 from gearsim.metrology.study import study_steps
 from gearsim.metrology.topography import Topography, topography
-from gearsim.metrology.verdict import no_agreement, not_compared, untouched
+from gearsim.metrology.verdict import no_agreement, not_compared, partly, untouched
 from gearsim.simulation.operation import Variant
 
 if TYPE_CHECKING:
@@ -117,7 +117,8 @@ class GridInspection:
             found[self.last] = self._measurement(grid, missing, trimmed, *alone)
         read = [s.read(self.surface, flat[s.exact], lines) for s, lines in zip(series, converging, strict=True)]
         findings = tuple(self._findings(job, grid, found, strangers))
-        return Reading((*found.values(), *read), findings, tuple(self._doubts(found)), self._judged())
+        remarks = tuple(self._remarks(found)) if self.judged else ()
+        return Reading((*found.values(), *read), findings, tuple(self._doubts(found)), self._judged(), remarks)
 
     def _motions(self, job: Job, rays: RayBundle) -> Steps[Any]:
         """Deviations under the motions by name, and the gaps of the two roads under those that are witnessed."""
@@ -189,6 +190,12 @@ class GridInspection:
             yield from no_agreement(f"{self.surface} under {name}", found[name].gap)
         if self.generating:
             yield from self._not_its_own(found[self.generating])
+
+    def _remarks(self, found: dict[str, GridMeasurement]) -> list[str]:
+        """What of the surface was not judged, or not compared under any of the motions."""
+        measurable = next(iter(found.values())).measurable
+        gaps = [m.gap for m in found.values() if m.gap is not None]
+        return partly(self.surface, measurable.size, int(measurable.sum()), gaps)
 
     def _not_judged(self, found: dict[str, GridMeasurement], name: str) -> list[str]:
         what = f"{self.surface} under {name}"

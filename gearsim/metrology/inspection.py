@@ -59,12 +59,16 @@ class Measurement(Protocol):
 
 @dataclass(frozen=True)
 class Reading:
-    """What an inspection found; ``doubts`` say why a verdict must not rest on it, ``judged`` the surfaces it judged."""
+    """What an inspection found; ``doubts`` say why a verdict must not rest on it, ``judged`` the surfaces it judged.
+
+    ``remarks`` must be said wherever the verdict is, whatever it is.
+    """
 
     measurements: tuple[Any, ...] = ()
     findings: tuple[Finding, ...] = ()
     doubts: tuple[str, ...] = ()
     judged: tuple[str, ...] = ()
+    remarks: tuple[str, ...] = ()
 
 
 class Inspection(Protocol):

@@ -50,4 +50,5 @@ class RootInspection:
         tolerances = [job.part.surfaces[s].tolerance for s in self.surfaces]
         findings = root_findings([(m.grid, m.deviation) for m in found], tolerances)
         doubts = tuple(reason for m in found for reason in untouched(f"the {m.surface}", m.deviation))
-        return Reading(tuple(found), tuple(findings), doubts, self.surfaces)
+        remark = f"{', '.join(self.surfaces)}: by one road only, for passes of both flanks meet there"
+        return Reading(tuple(found), tuple(findings), doubts, self.surfaces, (remark,))

@@ -1,4 +1,4 @@
-"""What a verdict must rest on: judged surfaces that something cut, and samples that were compared."""
+"""What a verdict must rest on: judged surfaces that something cut, samples that were compared; and what it must say."""
 
 from __future__ import annotations
 
@@ -26,6 +26,15 @@ def not_compared(surface: str, gaps: Iterable[RoadGap]) -> list[str]:
     if sum(gap.valid for gap in gaps):
         return []
     return [f"the two roads were compared at no sample of {surface}"]
+
+
+def partly(surface: str, whole: int, judged: int, gaps: Iterable[RoadGap]) -> list[str]:
+    """What of a judged surface of ``whole`` samples was not judged, or not compared by the two roads."""
+    left = [f"{whole - judged} of {whole} samples of {surface} do not lie on the machined surface"] * (judged < whole)
+    compared = max((gap.valid for gap in gaps), default=judged)
+    if 0 < compared < judged:
+        left.append(f"the two roads were compared at {compared} of {judged} samples of {surface}")
+    return left
 
 
 def no_agreement(what: str, gap: RoadGap | None) -> list[str]:
@@ -64,3 +73,22 @@ def verdict(part: Part, readings: Sequence[Reading]) -> tuple[Verdict, str]:
         return "unchecked", "; ".join(dict.fromkeys(doubts))
     fails = any(finding.fails for reading in readings for finding in reading.findings)
     return ("fail" if fails else "pass"), "OK"
+
+
+def headline(judged: Verdict, status: str, readings: Sequence[Reading], cut: bool = True) -> str:
+    """What stands behind the verdict's word: the reason, then all that is known of what is left, cut or not judged.
+
+    ``cut``: whether the job cuts anything.
+    """
+    findings = [finding for reading in readings for finding in reading.findings]
+    failing = [finding.told for finding in findings if finding.fails]
+    beside = [finding.told for finding in findings if not finding.fails]
+    said = {
+        "pass": ["every judged deviation is within tolerance" if cut else "nothing is cut, the comparison ran"],
+        "fail": failing,
+        "unchecked": [status, *failing],
+    }[judged]
+    if beside:
+        said.append(f"known beside: {'; '.join(dict.fromkeys(beside))}")
+    said += [remark for reading in readings for remark in reading.remarks]
+    return "; ".join(dict.fromkeys(said))

@@ -30,12 +30,8 @@ def write_report(text: str, title: str, folder: Path, wanted: Wanted = EVERYTHIN
 
 
 def verdict(report: dict[str, Any]) -> str:
-    """The verdict in a few words."""
-    return {
-        "pass": "**PASS**: every judged deviation is within tolerance",
-        "fail": "**FAIL**: out of tolerance, see the findings",
-        "unchecked": f"**UNCHECKED**: {report['status']}",
-    }[report["verdict"]]
+    """The verdict and all that belongs into one line with it."""
+    return f"**{report['verdict'].upper()}**: {report['headline']}"
 
 
 def pictures(texts: dict[str, str]) -> str:

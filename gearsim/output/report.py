@@ -32,14 +32,14 @@ def report_text(result: Result, figures: dict[str, Any], captions: dict[str, str
 def _head(result: Result, figures: dict[str, Any]) -> str:
     summary = result.scene.get("scene", {}).get("summary", "")
     if not figures["counts"]["rays"] and result.verdict == "pass":
-        return f"# {result.name}\n\n{summary}\n\n**PASS**: nothing is cut, the comparison ran.\n"
+        return f"# {result.name}\n\n{summary}\n\n{verdict(figures)}.\n"
     limits: dict[str, list[str]] = {}
     for name, surface in result.job.part.surfaces.items():
         if surface.tolerance is not None:
             limits.setdefault(surface.tolerance.text, []).append(name)
     told = "; ".join(f"{', '.join(names)}: {text}" for text, names in limits.items()) or "no surface has a tolerance"
     return (
-        f"# {result.name}\n\n{summary}\n\n{verdict(figures)} ({told}).\n\n"
+        f"# {result.name}\n\n{summary}\n\n{verdict(figures)}.\n\nTolerances: {told}.\n\n"
         "Deviation is measured along the outward normal of the intended surface: **positive is material left, "
         "negative is overcut**.\n"
     )

@@ -69,9 +69,10 @@ def print_result(result: Result, written: Path, missing: list[str]) -> None:
             f"{t['kernel']:.2f} s ({rate:.2f} M pairs/s) on {result.device}; {t['total']:.1f} s in all."
         )
     style = {"pass": "bold green", "fail": "bold red", "unchecked": "bold magenta"}[result.verdict]
-    detail = "" if result.verdict != "unchecked" else f": {escape(result.status)}"
     what = "files" if written.is_dir() else "report"
-    _CONSOLE.print(f"verdict: [{style}]{result.verdict}[/]{detail}   {what}: {written}", soft_wrap=True)
+    _CONSOLE.print(
+        f"verdict: [{style}]{result.verdict}[/]: {escape(result.headline)}   {what}: {written}", soft_wrap=True
+    )
 
 
 def print_estimate(name: str, estimate: dict[str, float]) -> None:

@@ -59,6 +59,7 @@ def provenance_figures(result: Result) -> dict[str, Any]:
         "device": result.device,
         "status": result.status,
         "verdict": result.verdict,
+        "headline": result.headline,
         "conventions": {"units": UNITS, "sign": SIGN, "frame": result.frame, **result.job.conventions},
         "counts": result.counts,
         "timings_s": {k: round(v, 4) for k, v in result.timings_s.items()},

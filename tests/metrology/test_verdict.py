@@ -8,7 +8,7 @@ import pytest
 from gearsim.metrology.deviation import Crossing, Deviation
 from gearsim.metrology.findings import Finding
 from gearsim.metrology.inspection import Reading
-from gearsim.metrology.verdict import no_witness, not_compared, untouched, verdict
+from gearsim.metrology.verdict import headline, no_witness, not_compared, partly, untouched, verdict
 from gearsim.surfaces.part import Intended, Part, Tolerance
 
 UNCUT, MEASURED, THROUGH, ABSENT = (
@@ -71,6 +71,51 @@ def test_a_verdict_rests_on_what_was_judged_and_nothing_in_doubt(readings, expec
     assert judged == expected
     assert status.startswith(reason)
     assert status.count("x") <= 1
+
+
+def told(*fails, text="x", um=437.84):
+    return tuple(Finding("k", "a", um, (0.0, 0.0, 0.0), None, None, f, f"{text} {int(f)}") for f in fails)
+
+
+WELL, FAILS, KNOWN = "every judged deviation is within tolerance", "x 1 (+437.8 um)", "known beside: x 0 (+437.8 um)"
+
+
+@pytest.mark.parametrize(
+    ("judged", "status", "fails", "expected"),
+    [
+        ("pass", "OK", (), [WELL]),
+        ("pass", "OK", (False, False), [WELL, KNOWN]),
+        ("fail", "OK", (True, False, True), [FAILS, KNOWN]),
+        ("unchecked", "why", (True, False), ["why", FAILS, KNOWN]),
+    ],
+)
+def test_the_headline_names_all_that_is_known_whatever_the_verdict(judged, status, fails, expected):
+    readings = [Reading(findings=told(*fails)), Reading(remarks=("one road",)), Reading(remarks=("one road",))]
+    assert headline(judged, status, readings) == "; ".join([*expected, "one road"])
+
+
+def test_the_headline_of_a_comparison_speaks_of_no_deviation():
+    assert headline("pass", "OK", [], cut=False) == "nothing is cut, the comparison ran"
+
+
+def test_a_collision_has_no_depth_to_tell():
+    (touch,) = told(True, text="the rapid touches", um=None)
+    assert touch.told == "the rapid touches 1"
+
+
+@pytest.mark.parametrize(
+    ("whole", "judged", "valid", "expected"),
+    [
+        (9, 9, (9,), []),
+        (9, 9, (), []),
+        (9, 9, (3, 9), []),
+        (9, 8, (8,), ["1 of 9 samples of a do not lie on the machined surface"]),
+        (9, 9, (3, 8), ["the two roads were compared at 8 of 9 samples of a"]),
+        (9, 9, (0,), []),  # a doubt, told as such
+    ],
+)
+def test_what_was_not_judged_or_compared_is_counted(whole, judged, valid, expected):
+    assert partly("a", whole, judged, [SimpleNamespace(valid=n) for n in valid]) == expected
 
 
 @pytest.mark.parametrize(

@@ -44,6 +44,12 @@ def test_report_json_holds_the_promised_keys(folder):
     assert report["verdict"] == "pass"
     assert report["device"] == "cpu"
     assert report["status"] == "OK"
+    (stock,) = (f for f in report["findings"] if f["kind"] == "root_stock")
+    assert (
+        f"stock is left on the bottom land; it takes a pass of its own ({stock['depth_um']:+.4g} um)"
+        in report["headline"]
+    )
+    assert f"**PASS**: {report['headline']}." in (folder / "report.md").read_text()
     assert set(report["timings_s"]) >= {"compile", "plan", "kernel", "total"}
     assert all(report["counts"][k] > 0 for k in ("rays", "segments", "pairs"))
     assert report["program"] == "program"

@@ -41,7 +41,9 @@ class WorkedInspection:
         yield []
         rows = tuple(worked_rows(self.sections, self.names))
         found = WorkedMeasurement(self.sections, rows, self.alone)
+        differ = sum(not row.agrees for row in rows)
+        remarks = (f"{differ} of {len(rows)} printed results do not reproduce",) if differ else ()
         if not self.alone:
-            return Reading((found,) if rows else ())
+            return Reading((found,) if rows else (), remarks=remarks)
         doubts = () if rows else ("reference.sections and reference.names choose no worked example",)
-        return Reading((found,), doubts=doubts, judged=("worked examples",) if rows else ())
+        return Reading((found,), doubts=doubts, judged=("worked examples",) if rows else (), remarks=remarks)
