@@ -20,7 +20,7 @@ _DEEPER_MM = 1e-6
 @dataclass(frozen=True)
 class Finding:
     """``depth_um`` (negative: cut into the tooth; positive: material left; None: a collision, whatever its
-    depth) at ``place_mm``, the part's frame.
+    depth, or no length) at ``place_mm``, the part's frame.
 
     Cone distance and height above the root are None off a gear blank. ``fails``: beyond the scene's tolerance.
     """
@@ -67,6 +67,11 @@ def holder_cut(blank: BevelBlank | None, place: NDArray, rays: int, name: str) -
     """The first place where a holder, called ``name``, touches material: it fails, whatever the depth."""
     text = f"{name} touches material: it cuts into what stands on {rays} rays"
     return _place("holder_cut", "part", blank, place, None, True, text)
+
+
+def off_the_blank(patch: str, blank: BevelBlank, place: NDArray, depth_um: float | None, text: str) -> Finding:
+    """An intended surface that is not what its blank or the scene demands."""
+    return _place("off_the_blank", patch, blank, place, depth_um, True, text)
 
 
 def root_findings(

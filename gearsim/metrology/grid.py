@@ -76,7 +76,7 @@ class GridInspection:
     ``generating``: the variant whose envelope the intended surface is; samples that it trims are left out.
     ``series`` are motions of more and more points; ``window`` scales the measuring windows; ``rotated``: topography
     is read, rotations taken out. ``last``: under that name the rows of the program (the first of ``variants``) that
-    made the surface last are asked again, alone, by both roads.
+    made the surface last are asked again, alone, by both roads. ``remark`` must be said with the verdict.
     """
 
     surface: str
@@ -92,6 +92,7 @@ class GridInspection:
     series: tuple[Series, ...] = ()
     rotated: bool = False
     last: str = ""
+    remark: str = ""
     name: str = DENSE
 
     def grid(self, job: Job) -> SampleGrid:
@@ -195,7 +196,8 @@ class GridInspection:
         """What of the surface was not judged, or not compared under any of the motions."""
         measurable = next(iter(found.values())).measurable
         gaps = [m.gap for m in found.values() if m.gap is not None]
-        return partly(self.surface, measurable.size, int(measurable.sum()), gaps)
+        told = [self.remark] if self.remark else []
+        return told + partly(self.surface, measurable.size, int(measurable.sum()), gaps)
 
     def _not_judged(self, found: dict[str, GridMeasurement], name: str) -> list[str]:
         what = f"{self.surface} under {name}"

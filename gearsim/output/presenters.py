@@ -38,6 +38,7 @@ _MODULES = {
     "ProfileMeasurement": "mean_profile",
     "ConvergenceMeasurement": "convergence",
     "DexelMeasurement": "dexels",
+    "ToothMeasurement": "tooth",
     "BudgetMeasurement": "gear.budget",
     "RoughnessMeasurement": "gear.rough",
     "ProgramMeasurement": "programs",

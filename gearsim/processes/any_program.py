@@ -15,9 +15,10 @@ from gearsim.metrology.inspection import Inspection
 from gearsim.metrology.job import Job
 from gearsim.metrology.program_times import ProgramInspection
 from gearsim.metrology.rapid_check import RapidInspection
+from gearsim.metrology.tooth_check import ToothInspection
 from gearsim.processes.claims import Claim, head_claims
 from gearsim.processes.generating import generating
-from gearsim.processes.parts import Limits, part_of
+from gearsim.processes.parts import Limits, held, part_of
 from gearsim.processes.read_file import ReadFile, read_file
 from gearsim.processes.settings import settings
 from gearsim.scene import scene_table
@@ -47,12 +48,14 @@ def plan(scene: ProgramScene, folder: Path) -> Job:
     read = read_file(scene, folder / scene.toolpath.file)
     whole = Variant(PROGRAM, f"the whole of {scene.toolpath.file}", read.operations)
     own = generating(tooth, scene.simulation.compile_tolerance_mm)
+    on_blank = held(PROGRAM, tooth, m.tooth)
+    asked = _Plan(scene, part, box, judged, read, own[0].name if own else "", on_blank)
     return Job(
         name=scene.name,
         part=part,
         variants=(whole, *own),
         main=PROGRAM,
-        inspections=tuple(_Plan(scene, part, box, judged, read, own[0].name if own else "").inspections()),
+        inspections=tuple(asked.inspections()),
         settings=settings(scene),
         scene=scene_table(scene),
         notes=read.notes,
@@ -72,7 +75,10 @@ def _judged(scene: ProgramScene, part: Part) -> tuple[str, ...]:
 
 @dataclass(frozen=True)
 class _Plan:
-    """What the inspections are made of; ``own`` names the motion that generates the surfaces (empty: none does)."""
+    """What the inspections are made of; ``own`` names the motion that generates the surfaces (empty: none does).
+
+    ``tooth``: how they are held against their blank, where a head generates them.
+    """
 
     scene: ProgramScene
     part: Part
@@ -80,6 +86,7 @@ class _Plan:
     judged: tuple[str, ...]
     read: ReadFile
     own: str
+    tooth: tuple[ToothInspection, ...]
 
     def inspections(self) -> Iterator[Inspection]:
         grids = tuple(self._dense(name) for name in self.part.surfaces)
@@ -93,6 +100,7 @@ class _Plan:
         if self.read.program is not None:
             unknown = (float("nan"),) * len(self.read.program.operations)
             yield ProgramInspection(PROGRAM, self.read.program, unknown)
+        yield from self.tooth
 
     def _dense(self, surface: str) -> GridInspection:
         m, judged = self.scene.metrology, surface in self.judged

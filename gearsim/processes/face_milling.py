@@ -9,6 +9,7 @@ from gearsim.motion.sources import CurveMotion
 from gearsim.processes.claims import Claim, head_claims
 from gearsim.processes.frames import GEAR_FRAME
 from gearsim.processes.generated import Sweep, generated_job
+from gearsim.processes.parts import held
 from gearsim.scene import FaceMillingScene
 
 
@@ -25,7 +26,8 @@ def plan(scene: FaceMillingScene, folder: Path) -> Job:
     else:
         name, text = "plunge", "infeed along the head's axis, cradle and work at rest"
     cut = Sweep(tooth.head, tuple(tooth.patches), {name: motion})
-    return generated_job(scene, [cut], {name: text}, GEAR_FRAME, blank=tooth.blank)
+    on_blank = held(name, tooth, scene.metrology.tooth)
+    return generated_job(scene, [cut], {name: text}, GEAR_FRAME, blank=tooth.blank, tooth=on_blank)
 
 
 def claims(scene: FaceMillingScene, folder: Path) -> list[Claim]:

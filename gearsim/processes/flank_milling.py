@@ -22,7 +22,7 @@ from gearsim.motion.sources import CLMotion
 from gearsim.processes.cl_tools import cl_cutters, cl_operations
 from gearsim.processes.claims import Claim, Swept
 from gearsim.processes.flank_program import machine_program
-from gearsim.processes.parts import Limits, bevel_part
+from gearsim.processes.parts import Limits, bevel_part, held
 from gearsim.processes.settings import settings
 from gearsim.programs.cldata import RAPID, CLPath, CLProgram, assemble, format_cl, parse_cl, read_cl_text
 from gearsim.scene import FlankMillingScene, scene_table
@@ -69,7 +69,7 @@ def plan(scene: FlankMillingScene, folder: Path) -> Job:
         part=bevel_part(tooth, limits, mate=tooth.blank.mate(scene.surface.mate_teeth).stock),
         variants=tuple(_variants(scene, program, planners, cutter, cutters)),
         main=PROGRAM,
-        inspections=tuple(_inspections(scene, tooth, program, planners)),
+        inspections=(*_inspections(scene, tooth, program, planners), *held(PROGRAM, tooth, m.tooth)),
         settings=settings(scene),
         scene=scene_table(scene),
         files=files,

@@ -13,6 +13,7 @@ from gearsim.metrology.dexel_check import DexelInspection, slot_box
 from gearsim.metrology.grid import GridInspection
 from gearsim.metrology.inspection import Inspection
 from gearsim.metrology.job import Job
+from gearsim.metrology.tooth_check import ToothInspection
 from gearsim.motion.sources import MotionSource
 from gearsim.processes.settings import settings
 from gearsim.scene import scene_table
@@ -50,10 +51,12 @@ class Sweep:
 def generated_job(
     scene: GeneratedScene, sweeps: Sequence[Sweep], texts: dict[str, str], frame: str, *,
     files: dict[str, str] | None = None, blank: BevelBlank | None = None, notes: tuple[str, ...] = (),
+    tooth: tuple[ToothInspection, ...] = (),
 ) -> Job:  # fmt: skip
     """The job of some tools; ``texts`` say what each motion is, ``blank`` is what the surfaces are cut into.
 
-    Raises InputError where ``metrology.judged`` names a motion that there is not.
+    ``tooth`` holds the surfaces against what their part demands; without it nothing does. Raises InputError where
+    ``metrology.judged`` names a motion that there is not.
     """
     judged = _judged(scene.metrology.judged, list(texts))
     tolerance = Tolerance.both(scene.metrology.tolerance_um) if judged else None
@@ -63,7 +66,7 @@ def generated_job(
         part=Part(frame, blank.stock if blank else None, {p.name: Intended(p, tolerance) for p in patches}),
         variants=tuple(v for sweep in sweeps for v in _variants(scene, sweep, texts)),
         main=judged[-1] if judged else next(iter(texts)),
-        inspections=tuple(_inspections(scene, sweeps, blank, judged)),
+        inspections=(*_inspections(scene, sweeps, blank, judged, _remark(texts, judged, tooth)), *tooth),
         settings=settings(scene),
         scene=scene_table(scene),
         files=files or {},
@@ -96,21 +99,32 @@ def _of_points(name: str, n: int) -> str:
 
 
 def _inspections(
-    scene: GeneratedScene, sweeps: Sequence[Sweep], blank: BevelBlank | None, judged: tuple[str, ...]
+    scene: GeneratedScene, sweeps: Sequence[Sweep], blank: BevelBlank | None, judged: tuple[str, ...], remark: str
 ) -> Iterator[Inspection]:
     for sweep in sweeps:
-        grids = tuple(_grid(scene.metrology, sweep, surface, judged) for surface in sweep.surfaces)
+        grids = tuple(_grid(scene.metrology, sweep, surface, judged, remark) for surface in sweep.surfaces)
         yield from grids
         if blank is not None:
             box = slot_box(sweep.patches, blank, scene.simulation.dexel_pitch_mm)
             yield DexelInspection(grids[0].generating, box, grids)
 
 
-def _grid(m: GeneratedMetrologyTable, sweep: Sweep, surface: str, judged: tuple[str, ...]) -> GridInspection:
+def _remark(texts: dict[str, str], judged: tuple[str, ...], tooth: tuple[ToothInspection, ...]) -> str:
+    """That the generating motion, which is the first one, is measured against itself, where it is judged."""
+    own = next(iter(texts))
+    if own not in judged:
+        return ""
+    alone = "" if tooth else "; no blank says what the part demands"
+    return f"under {own} the surfaces are measured against themselves, as its own envelope{alone}"
+
+
+def _grid(
+    m: GeneratedMetrologyTable, sweep: Sweep, surface: str, judged: tuple[str, ...], remark: str
+) -> GridInspection:
     names = tuple(sweep.sources)
     points = m.convergence
     series = [Series(name, names[0], points, tuple(_of_points(name, n) for n in points)) for name in sweep.sampled]
     return GridInspection(
         surface, names, names, m.rows, m.columns, m.margin, m.window, judged=judged, generating=names[0],
-        series=tuple(series) if points else (),
+        series=tuple(series) if points else (), remark=remark,
     )  # fmt: skip

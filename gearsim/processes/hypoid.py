@@ -15,6 +15,7 @@ from gearsim.motion.sources import CurveMotion, MotionSource
 from gearsim.processes.claims import Claim, head_claims
 from gearsim.processes.frames import PINION_FRAME
 from gearsim.processes.generated import Sweep, generated_job
+from gearsim.processes.parts import held
 from gearsim.programs.axis_table import AxisTable, format_axis_table, parse_axis_table
 from gearsim.scene.generated import HypoidScene
 from gearsim.surfaces.face_milled import FaceMilledTooth
@@ -49,7 +50,10 @@ def plan(scene: HypoidScene, folder: Path) -> Job:
         for name, machine in machines.items()
     }
     blank = pinion.blank if together else None
-    return generated_job(scene, cuts, texts, PINION_FRAME, files=programs, blank=blank, notes=tuple(notes))
+    on_blank = held("roll", pinion, scene.metrology.tooth)
+    return generated_job(
+        scene, cuts, texts, PINION_FRAME, files=programs, blank=blank, notes=tuple(notes), tooth=on_blank
+    )  # fmt: skip
 
 
 def _path(machine: Machine, tooth: FaceMilledTooth, rows: int) -> AxisPath:

@@ -8,13 +8,16 @@ from typing import NamedTuple
 from gearsim.geometry.turned import Turned
 from gearsim.metrology.dexel_check import slot_box
 from gearsim.metrology.gear_section import space_box
+from gearsim.metrology.tooth_check import ToothInspection
 from gearsim.processes.frames import FACE_FRAME, GEAR_FRAME, NET_FRAME, PINION_FRAME
 from gearsim.scene.any_program import ProgramScene
+from gearsim.scene.bevel import ToothTable
 from gearsim.scene.cylindrical import CylindricalGearTable
 from gearsim.scene.generated import HypoidTable
 from gearsim.scene.sculptured import NurbsTable
 from gearsim.simulation.dexels import DexelBox
 from gearsim.surfaces.cylindrical_gear import SIDES as GEAR_SIDES
+from gearsim.surfaces.face_milled import FaceMilledTooth
 from gearsim.surfaces.gear_stock import gear_stock
 from gearsim.surfaces.hypoid import HypoidPinion
 from gearsim.surfaces.part import Intended, Part, Tolerance
@@ -35,6 +38,13 @@ def bevel_part(tooth: Tooth | HypoidPinion, limits: Limits, *, mate: Turned | No
     surfaces: dict[str, Intended] = {side: Intended(tooth.flank(side), limits.flank) for side in SIDES}
     surfaces |= {p.name: Intended(p, limits.root) for p in tooth.patches if p.part != "flank"}
     return Part(frame, tooth.blank.stock, surfaces, mate)
+
+
+def held(variant: str, tooth: Tooth | HypoidPinion | None, demand: ToothTable | None) -> tuple[ToothInspection, ...]:
+    """How a tooth that a head generates is held against its blank; nothing for another."""
+    if not isinstance(tooth, FaceMilledTooth | HypoidPinion):
+        return ()
+    return (ToothInspection(variant, tooth, (demand or ToothTable()).build()),)
 
 
 def part_of(

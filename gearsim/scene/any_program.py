@@ -15,7 +15,7 @@ from gearsim.errors import InputError
 from gearsim.geometry.rigid import Rigid
 from gearsim.machines.chain import Machine
 from gearsim.programs.gcode import ReadSettings
-from gearsim.scene.bevel import GeneratorTable, Number
+from gearsim.scene.bevel import GeneratorTable, Number, ToothTable
 from gearsim.scene.catalogue import AnyCutter, AnyMachine
 from gearsim.scene.cylindrical import CylindricalGearTable
 from gearsim.scene.flank_milling import FaceMilledFlankTable, RuledBevelTable
@@ -110,7 +110,8 @@ class ProgramMetrologyTable(GridTable):
     """Table [metrology]: a dense grid on every surface; ``judged`` names those that have a tolerance (none: all).
 
     ``root_tolerance_um`` is for cuts into fillets and bottom lands (default: the tolerance), where material may stay.
-    ``inspection_...``: an inspector's grid on the flanks of bevel gears.
+    ``inspection_...``: an inspector's grid on the flanks of bevel gears. ``tooth``: what is demanded, beside its
+    blank, of a tooth that a head generates.
     """
 
     tolerance_um: Length
@@ -124,6 +125,7 @@ class ProgramMetrologyTable(GridTable):
     inspection_margin: float = Field(default=0.1, gt=0.0, lt=0.5)
     window: float = Field(default=1.0, gt=0.0, le=4.0)
     window_mm: Length = 5.0
+    tooth: ToothTable | None = None
 
 
 class ProgramScene(Scene):
@@ -161,6 +163,13 @@ class ProgramScene(Scene):
             raise ValueError("tools: axis values are cut with one tool; give one [cutter]")
         if not self.toolpath.is_gcode and self.control is not None:
             raise ValueError("control: only G-code is run by a control; remove the table")
+        return self
+
+    @model_validator(mode="after")
+    def _generated_alone(self) -> ProgramScene:
+        generated = isinstance(self.surface, FaceMilledTable | FaceMilledFlankTable | HypoidTable)
+        if self.metrology.tooth is not None and not generated:
+            raise ValueError(f"metrology.tooth: it is for teeth that a head generates, not {self.surface.kind}")
         return self
 
     @model_validator(mode="after")

@@ -10,6 +10,7 @@ from pydantic import Field
 from gearsim.machines.generator import CradleGenerator
 from gearsim.scene.tables import Length, LengthOrZero, Table
 from gearsim.surfaces.blank import BevelBlank, outer_cone_distance, pitch_angle
+from gearsim.surfaces.tooth_demand import ToothDemand
 
 Number = Annotated[float, Field(gt=-1e5, lt=1e5, allow_inf_nan=False)]
 Turn = Annotated[float, Field(ge=-360.0, le=360.0, allow_inf_nan=False)]
@@ -77,4 +78,26 @@ class GeneratorTable(Table):
             self.radial_distance_mm, radians(self.cradle_angle_deg), radians(self.machine_root_angle_deg),
             self.ratio_of_roll, radians(self.tilt_deg), radians(self.swivel_deg), self.sliding_base_mm,
             self.blank_offset_mm, self.machine_centre_to_back_mm, self.modified_roll,
+        )  # fmt: skip
+
+
+class ToothTable(Table):
+    """Table [metrology.tooth]: what the part demands of the tooth that its settings generate, with tolerances.
+
+    ``depth_tolerance_um``: of the bottom land off the root cone, all along the face; ``join_tolerance_um``: of gaps
+    between flank, fillet and bottom land. At the mean cone distance, on the pitch cone: ``spiral_angle_deg``, and
+    ``thickness_mm`` of the tooth around the gear axis; without them nothing is demanded there.
+    """
+
+    depth_tolerance_um: Length = 200.0
+    join_tolerance_um: Length = 1.0
+    spiral_angle_deg: float | None = Field(default=None, ge=0.0, lt=90.0, allow_inf_nan=False)
+    spiral_angle_tolerance_deg: float = Field(default=0.5, gt=0.0, lt=90.0, allow_inf_nan=False)
+    thickness_mm: Length | None = None
+    thickness_tolerance_um: Length = 50.0
+
+    def build(self) -> ToothDemand:
+        return ToothDemand(
+            self.depth_tolerance_um, self.join_tolerance_um, self.spiral_angle_deg, self.spiral_angle_tolerance_deg,
+            self.thickness_mm, self.thickness_tolerance_um,
         )  # fmt: skip

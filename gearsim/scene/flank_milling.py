@@ -9,7 +9,7 @@ from typing import Literal
 from pydantic import Field, model_validator
 
 from gearsim.cutters.profile import Profile
-from gearsim.scene.bevel import BevelBlankTable, GeneratorTable, Number, Turn
+from gearsim.scene.bevel import BevelBlankTable, GeneratorTable, Number, ToothTable, Turn
 from gearsim.scene.catalogue import AnyCutter
 from gearsim.scene.holder import HolderTable
 from gearsim.scene.program import ProgramTable
@@ -96,7 +96,10 @@ class ToolpathTable(Table):
 
 
 class MetrologyTable(GridTable):
-    """Table [metrology]: what is measured, and the tolerances of the verdict."""
+    """Table [metrology]: what is measured, and the tolerances of the verdict.
+
+    ``tooth``: what the blank of a ``face-milled-flank`` is held against.
+    """
 
     tolerance_um: Length
     root_tolerance_um: Length
@@ -109,6 +112,7 @@ class MetrologyTable(GridTable):
     window: float = Field(default=1.0, gt=0.0, le=4.0)
     profile_offsets_mm: tuple[Number, ...] = (0.0, 0.5, -0.5, 1.5, -1.5, 3.0, -3.0)
     convergence: tuple[Count, ...] = (9, 17, 33, 65, 129, 257)
+    tooth: ToothTable | None = None
 
 
 class ReferenceTable(Table):
@@ -141,6 +145,12 @@ class FlankMillingScene(Scene):
                     f"reference.{key} has {len(getattr(self.reference, key))} entries, metrology.profile_offsets_mm "
                     f"{offsets}; they stand beside each other"
                 )
+        return self
+
+    @model_validator(mode="after")
+    def _generated_alone(self) -> FlankMillingScene:
+        if self.metrology.tooth is not None and not isinstance(self.surface, FaceMilledFlankTable):
+            raise ValueError(f"metrology.tooth: it is for teeth that a head generates, not {self.surface.kind}")
         return self
 
     def tooth(self) -> Tooth:

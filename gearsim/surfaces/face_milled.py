@@ -130,6 +130,15 @@ class FaceMilledTooth:
         return self._parts["bottom", "convex"]
 
     @property
+    def bottoms(self) -> tuple[GeneratedPatch, ...]:
+        """The bottom lands of all cuts: this one."""
+        return (self.bottom,)
+
+    def cut(self, side: Side) -> FaceMilledTooth:
+        """The cut that finishes one flank: one for both."""
+        return self
+
+    @property
     def patches(self) -> list[GeneratedPatch]:
         """The whole slot, from the concave tip down and up to the convex tip.
 
@@ -147,7 +156,7 @@ class FaceMilledTooth:
 
     def check(self) -> None:
         """Raise InputError for a slot that no gear has (`check_slot`)."""
-        check_slot(self.flank("concave"), self.flank("convex"), [self.bottom])
+        check_slot(self.flank("concave"), self.flank("convex"), self.bottoms)
 
     @cached_property
     def motion_range(self) -> tuple[float, float]:

@@ -81,7 +81,12 @@ class HypoidPinion:
 
     def check(self) -> None:
         """Raise InputError for a slot that no pinion has (`check_slot`)."""
-        check_slot(self.flank("concave"), self.flank("convex"), [cut.bottom for cut in (self.concave, self.convex)])
+        check_slot(self.flank("concave"), self.flank("convex"), self.bottoms)
+
+    @property
+    def bottoms(self) -> tuple[GeneratedPatch, ...]:
+        """The bottom land of each cut."""
+        return (*self.concave.bottoms, *(self.convex.bottoms if self.convex != self.concave else ()))
 
     def flank(self, side: Side) -> GeneratedPatch:
         """The working flank of one side."""

@@ -34,12 +34,8 @@ def _check_widths(concave: ToothSurface, convex: ToothSurface, height: float, wh
     length = np.linspace(0.0, 1.0, _STATIONS)
     blank = concave.blank
     ends = [patch.jet(*patch.locate(length, np.full(_STATIONS, height))) for patch in (concave, convex)]
-    here, there = (jet.r for jet in ends)
-    turn = np.angle((there[:, 0] + 1j * there[:, 1]) / (here[:, 0] + 1j * here[:, 1]))
-    radius = np.hypot(here[:, 0], here[:, 1])
-    into_slot = np.sign(ends[0].normal[:, 1] * here[:, 0] - ends[0].normal[:, 0] * here[:, 1])
-    slot, pitch = radius * turn * into_slot, 2.0 * pi * radius / blank.teeth
-    cone = blank.cone_height(here)[0]
+    slot, pitch = slot_and_pitch(blank, ends[0], ends[1])
+    cone = blank.cone_height(ends[0].r)[0]
     i = int(np.argmin(slot))
     if not slot[i] >= 0.0:
         raise InputError(
@@ -48,7 +44,7 @@ def _check_widths(concave: ToothSurface, convex: ToothSurface, height: float, wh
         )
     i = int(np.argmin(pitch - slot))
     if not pitch[i] - slot[i] > 0.0:
-        across = _spiral_cosine(blank, ends[0])[i] * (slot[i] - pitch[i])
+        across = spiral_cosine(blank, ends[0])[i] * (slot[i] - pitch[i])
         raise InputError(
             f"neighbouring slots overlap at the tooth's {where}: at cone distance {cone[i]:.4g} mm the slot is "
             f"{slot[i]:.4g} mm wide around the gear axis, the pitch {pitch[i]:.4g} mm, which leaves "
@@ -57,7 +53,19 @@ def _check_widths(concave: ToothSurface, convex: ToothSurface, height: float, wh
         )
 
 
-def _spiral_cosine(blank: BevelBlank, jet: Jet) -> NDArray:
+def slot_and_pitch(blank: BevelBlank, concave: Jet, convex: Jet) -> tuple[NDArray, NDArray]:
+    """Width [mm] of the slot and the pitch, both around the gear axis, shape (n,).
+
+    The flanks' points are of one cone distance and height, pair by pair. Negative: the flanks cross.
+    """
+    here, there = concave.r, convex.r
+    turn = np.angle((there[:, 0] + 1j * there[:, 1]) / (here[:, 0] + 1j * here[:, 1]))
+    radius = np.hypot(here[:, 0], here[:, 1])
+    into_slot = np.sign(concave.normal[:, 1] * here[:, 0] - concave.normal[:, 0] * here[:, 1])
+    return radius * turn * into_slot, 2.0 * pi * radius / blank.teeth
+
+
+def spiral_cosine(blank: BevelBlank, jet: Jet) -> NDArray:
     """Cosine of the angle between flank traces on the cone and the cone's generator."""
     generator, normal = blank.cone_directions(jet.r)
     trace = np.cross(jet.normal, normal)
