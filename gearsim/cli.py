@@ -5,7 +5,6 @@ from __future__ import annotations
 import argparse
 import sys
 from collections.abc import Sequence
-from contextlib import suppress
 from pathlib import Path
 from time import perf_counter
 from typing import Any
@@ -100,38 +99,11 @@ def _scenes(_: argparse.Namespace) -> int:
 
 
 def _new(options: argparse.Namespace) -> int:
-    from gearsim.scene import scene_names, scene_text
+    from gearsim.scene.new import write_new
 
-    target = _new_file(options.name)
-    if options.like not in scene_names():
-        raise InputError(f"--like {options.like}: no such built-in scene; there are {', '.join(scene_names())}")
-    text = scene_text(options.like)[0].replace(f'name = "{options.like}"', f'name = "{target.stem}"')
-    try:
-        with target.open("x", encoding="utf-8") as file:
-            file.write(text)
-    except FileExistsError:
-        raise InputError(f"{target} exists already; choose another name") from None
-    except OSError as error:
-        with suppress(OSError):
-            target.unlink()
-        raise InputError(f"cannot write {target}: {error.strerror}") from error
+    target = write_new(options.name, options.like)
     print(f"wrote {target}; edit it, then: gearsim run {target}")
     return 0
-
-
-def _new_file(name: str) -> Path:
-    """Where a scene of that name is written. Raises InputError for names that no file has or that others have."""
-    from gearsim.scene import scene_names
-    from gearsim.scene.tables import file_name
-
-    target = Path(f"{name.removesuffix('.toml')}.toml")
-    try:
-        file_name(target.stem if name else "")
-    except ValueError as error:
-        raise InputError(f"new {name!r}: {error}") from None
-    if target.stem in scene_names():
-        raise InputError(f"new {name}: a built-in scene has that name; choose another")
-    return target
 
 
 def _gouge(options: argparse.Namespace) -> int:

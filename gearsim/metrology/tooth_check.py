@@ -30,6 +30,7 @@ if TYPE_CHECKING:
     from gearsim.metrology.job import Job
 
 _ALONG, _ACROSS = 65, 9
+_PLACES = 4
 _UM = {"um": 1.0, "mm": 1e3}
 
 
@@ -61,9 +62,8 @@ class ToothFigure:
     @property
     def measured(self) -> str:
         """The value in words."""
-        if self.least == self.most:
-            return f"{self.least:.4g} {self.unit}"
-        return f"{self.least:.4g} to {self.most:.4g} {self.unit}"
+        least, most = (f"{round(value, _PLACES):.4g}" for value in (self.least, self.most))
+        return f"{least if least == most else f'{least} to {most}'} {self.unit}"
 
     @property
     def demanded(self) -> str:
@@ -100,7 +100,7 @@ class ToothInspection:
     def steps(self, _: Job) -> Steps[Reading]:
         yield []
         figures = tuple(_Figures(self.tooth, self.demand).all())
-        told = "; ".join(f"{f.name} {f.measured} ({f.demanded})" for f in figures)
+        told = ", ".join(f"{f.name} {f.measured} ({f.demanded})" for f in figures if not f.fails)
         findings = tuple(self._finding(f) for f in figures if f.fails)
         return Reading(
             (ToothMeasurement(self.variant, figures),), findings, remarks=(f"the tooth in its blank: {told}",)

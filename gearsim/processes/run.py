@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from concurrent.futures import ThreadPoolExecutor
+from dataclasses import replace
 from importlib import import_module
 from pathlib import Path
 from time import perf_counter
@@ -20,6 +21,7 @@ from gearsim.output.presenters import flat_figures
 from gearsim.processes.claims import Claim
 from gearsim.result import Result, versions
 from gearsim.scene import Scene, load_scene
+from gearsim.scene.printed import printed_elsewhere
 from gearsim.simulation.operation import Variant
 from gearsim.simulation.removal import SLOT_BYTES, open_device, prepare, tile_rays
 from gearsim.simulation.room import RAY_BYTES, require_room
@@ -57,10 +59,16 @@ class _Silent:
 def plan(scene: Scene, folder: Path | None = None) -> Job:
     """What a scene asks for, made ready to run; ``folder`` is where relative file names in it are looked up.
 
+    Figures printed for another geometry are left out, which a note tells (`printed_elsewhere`).
+
     Raises InputError where the geometry is impossible or a file cannot be used.
     """
-    job: Job = _planner(scene).plan(scene, folder or Path())
-    return job
+    folder = folder or Path()
+    elsewhere = printed_elsewhere(scene, folder)
+    if elsewhere:
+        scene = scene.model_copy(update={"reference": None})
+    job: Job = _planner(scene).plan(scene, folder)
+    return replace(job, notes=(*job.notes, elsewhere)) if elsewhere else job
 
 
 def claims(scene: Scene, folder: Path | None = None) -> list[Claim]:

@@ -1,0 +1,72 @@
+"""Whose printed figures a scene bears: those of a built-in scene are for its geometry and no other."""
+
+from __future__ import annotations
+
+import tomllib
+from pathlib import Path
+from typing import Any
+
+from gearsim.errors import is_file
+from gearsim.scene.loading import load_scene, scene_names, scene_table, scene_text
+from gearsim.scene.sculptured import GougeExampleScene
+from gearsim.scene.tables import Scene
+
+_GEOMETRY = ("surface", "cutter", "larger", "printed", "tools", "holder")
+_PLACES = "profile_offsets_mm"
+
+
+def printed_elsewhere(scene: Scene, folder: Path) -> str:
+    """Why the scene's [reference] is not for its geometry; empty where it is, where it has none, or brought its own.
+
+    Printed figures are known by their source, worked examples by their sections; ``folder`` is where the scene's files
+    are looked up.
+    """
+    given = scene_table(scene).get("reference")
+    if given is None or isinstance(scene, GougeExampleScene):
+        return ""
+    names = [name for name in scene_names() if _same(given, tomllib.loads(scene_text(name)[0]).get("reference"))]
+    quoting = {name: scene_table(load_scene(name)[0]) for name in names}
+    bearers = {name: table for name, table in quoting.items() if table["reference"] == given} or quoting
+    if not bearers:
+        return "" if "source" in given else "[reference] is left out: no built-in scene has these worked examples"
+    mine = _geometry(scene_table(scene))
+    differ = {name: _differing(mine, _geometry(table)) for name, table in bearers.items()}
+    nearest = min(bearers, key=lambda name: len(differ[name]))
+    shape = mine.get("surface", {}).get("file")
+    tables = differ[nearest] or (["surface.file"] if shape and is_file(folder / shape) else [])
+    if not tables:
+        return ""
+    return (
+        f"[reference] is left out: it is printed for the geometry of the built-in scene {nearest}, and "
+        f"{', '.join(tables)} {'differ' if len(tables) > 1 else 'differs'} here"
+    )
+
+
+def without_reference(text: str) -> str:
+    """A scene's TOML text without its table [reference] and the tables below it."""
+    kept, out = True, []
+    for line in text.splitlines(keepends=True):
+        if line.startswith("["):
+            kept = not line.lstrip("[").startswith("reference")
+        if kept:
+            out.append(line)
+    return "".join(out).rstrip("\n") + "\n"
+
+
+def _same(given: dict[str, Any], other: dict[str, Any] | None) -> bool:
+    """Whether two tables [reference] quote the same print."""
+    if other is None:
+        return False
+    if "source" in given:
+        return bool(given["source"] == other.get("source"))
+    return list(given["sections"]) == other.get("sections")
+
+
+def _geometry(table: dict[str, Any]) -> dict[str, Any]:
+    """What the print is of: surface and tools, and where they are measured."""
+    at = table.get("metrology", {}).get(_PLACES)
+    return {name: table[name] for name in _GEOMETRY if name in table} | {f"metrology.{_PLACES}": at}
+
+
+def _differing(one: dict[str, Any], other: dict[str, Any]) -> list[str]:
+    return [name for name in {**one, **other} if one.get(name) != other.get(name)]
