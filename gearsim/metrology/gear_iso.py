@@ -76,7 +76,9 @@ class GearProbing:
         }  # fmt: skip
         found = self._read(lines, deviations)
         doubts = tuple(_untouched(side, found.untouched[side]) for side in SIDES if found.untouched[side])
-        return Reading((GearMeasurement(self.variant, found),), tuple(self._beyond_class(found)), doubts)
+        count, probed = self.probed.gear.count, len(self.spaces)
+        remarks = (f"{probed} of {count} spaces were probed, pitch was not judged",) if probed < count else ()
+        return Reading((GearMeasurement(self.variant, found),), tuple(self._beyond_class(found)), doubts, (), remarks)
 
     def _read(self, lines: Mapping[Side, Probing], deviations: Mapping[Side, Deviation]) -> GearInspection:
         spaces, gear = self.spaces, self.probed.gear

@@ -33,6 +33,7 @@ def own(tmp_path_factory):
 def test_the_program_itself_is_judged(own):
     result = own()
     assert result.verdict != "unchecked"
+    assert "2 of 15 spaces were probed, pitch was not judged" in result.headline
     assert all(result.measurements[side, "last operation", DENSE].gap.valid for side in ("left", "right"))
 
 
