@@ -23,6 +23,7 @@ from gearsim.surfaces.blank import BevelBlank
 from gearsim.surfaces.part import Intended, Part, Tolerance
 from gearsim.surfaces.patch import Patch
 
+OTHERS = "other cuts"
 _CONVENTIONS = {
     "motions": "the first one generates the surfaces; the others are measured against them",
     "missing": "the closed form has no point there",
@@ -64,7 +65,7 @@ def generated_job(
     return Job(
         name=scene.name,
         part=Part(frame, blank.stock if blank else None, {p.name: Intended(p, tolerance) for p in patches}),
-        variants=tuple(v for sweep in sweeps for v in _variants(scene, sweep, texts)),
+        variants=(*(v for sweep in sweeps for v in _variants(scene, sweep, texts)), *_other_cuts(scene, sweeps)),
         main=judged[-1] if judged else next(iter(texts)),
         inspections=(*_inspections(scene, sweeps, blank, judged, _remark(texts, judged, tooth)), *tooth),
         settings=settings(scene),
@@ -94,6 +95,15 @@ def _variants(scene: GeneratedScene, sweep: Sweep, texts: dict[str, str]) -> Ite
             yield Variant(_of_points(name, n), f"{texts[name]}; of {n} points", (given,), sweep.surfaces)
 
 
+def _other_cuts(scene: GeneratedScene, sweeps: Sequence[Sweep]) -> Iterator[Variant]:
+    """For the surfaces of each of several cuts, what the generating motions of the others cut."""
+    tolerance = scene.simulation.compile_tolerance_mm
+    own = [operation(OTHERS, sweep.cutter, [next(iter(sweep.sources.values()))], tolerance) for sweep in sweeps]
+    for i, sweep in enumerate(sweeps if len(sweeps) > 1 else ()):
+        rest = tuple(o for k, o in enumerate(own) if k != i)
+        yield Variant(OTHERS, "the generating motions of the other cuts", rest, sweep.surfaces)
+
+
 def _of_points(name: str, n: int) -> str:
     return f"{name} N = {n}"
 
@@ -102,7 +112,8 @@ def _inspections(
     scene: GeneratedScene, sweeps: Sequence[Sweep], blank: BevelBlank | None, judged: tuple[str, ...], remark: str
 ) -> Iterator[Inspection]:
     for sweep in sweeps:
-        grids = tuple(_grid(scene.metrology, sweep, surface, judged, remark) for surface in sweep.surfaces)
+        others = OTHERS if len(sweeps) > 1 else ""
+        grids = tuple(_grid(scene.metrology, sweep, surface, judged, remark, others) for surface in sweep.surfaces)
         yield from grids
         if blank is not None:
             box = slot_box(sweep.patches, blank, scene.simulation.dexel_pitch_mm)
@@ -119,12 +130,12 @@ def _remark(texts: dict[str, str], judged: tuple[str, ...], tooth: tuple[ToothIn
 
 
 def _grid(
-    m: GeneratedMetrologyTable, sweep: Sweep, surface: str, judged: tuple[str, ...], remark: str
+    m: GeneratedMetrologyTable, sweep: Sweep, surface: str, judged: tuple[str, ...], remark: str, others: str
 ) -> GridInspection:
     names = tuple(sweep.sources)
     points = m.convergence
     series = [Series(name, names[0], points, tuple(_of_points(name, n) for n in points)) for name in sweep.sampled]
     return GridInspection(
         surface, names, names, m.rows, m.columns, m.margin, m.window, judged=judged, generating=names[0],
-        series=tuple(series) if points else (), remark=remark,
+        series=tuple(series) if points else (), remark=remark, strangers=others,
     )  # fmt: skip

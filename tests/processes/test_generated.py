@@ -202,3 +202,23 @@ def test_travel_limits_are_the_owners_and_told_with_the_axis(capsys):
     assert "axis X overruns its limit of 150 mm" in capsys.readouterr().err
     assert main(["run", "hypoid-pinion-phoenix", "--set", "machine.phoenix.limits={ Q = [0.0, 1.0] }"]) == 2
     assert "machine phoenix has no axis Q" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(("cradle", "verdict"), [(-86.62, "pass"), (-86.51 + 1e-9, "pass"), (-86.4, "fail")])
+def test_of_two_cuts_neither_may_cut_the_other_s_surfaces(cradle, verdict):
+    """The convex flank's own cut, turned into the slot, next to where one cut makes both, and into the other tooth.
+
+    A turn of 0.11 deg moves it by 0.11 deg x ratio of roll 3.77 about the axis: 0.2 mm, of which the share
+    along the leaning normals is cut.
+    """
+    table = load_scene("hypoid-pinion-phoenix", SMALL)[0].model_dump(exclude_none=True)
+    table["convex"] = {"cutter": table["cutter"], "generator": table["generator"] | {"cradle_angle_deg": cradle}}
+    result = run(check_scene(table, "s"))
+    assert result.verdict == verdict
+    cut = {f.patch: f.depth_um for f in result.findings if f.kind == "cross_cut"}
+    if verdict == "pass":
+        assert cut == {}
+        return
+    assert set(cut) == set(result.job.part.surfaces)
+    turn, radius = np.radians((cradle + 86.51) * table["generator"]["ratio_of_roll"]), 28.24
+    assert all(0.5 < -um / (1e3 * turn * radius) < 1.0 for um in cut.values())
