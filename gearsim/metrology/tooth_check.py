@@ -150,8 +150,8 @@ class _Figures:
         yield land, land
         walls = [cut.fillet(side)] if cut.generated or not cut.sharp else []
         for patch in (*walls, self.tooth.flank(side)):
-            ends = (self._points(patch, self._length, np.full(_ALONG, end)) for end in (0.0, 1.0))
-            yield next(ends), next(ends)
+            lower, upper = (self._points(patch, self._length, np.full(_ALONG, end)) for end in (0.0, 1.0))
+            yield lower, upper
 
     def _at_mean(self) -> Iterator[ToothFigure]:
         """Spiral angle [deg], both flanks' mean, and thickness [mm] around the axis, on the pitch cone at mean."""

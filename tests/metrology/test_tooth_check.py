@@ -9,6 +9,7 @@ from gearsim.errors import InputError
 from gearsim.metrology.tooth_check import ToothFigure, ToothInspection
 from gearsim.processes.run import plan, run
 from gearsim.scene import check_scene, load_scene, scene_table
+from gearsim.surfaces.face_milled import FaceMilledTooth
 
 SMALL = ("metrology.rows=3", "metrology.columns=5", "metrology.convergence=[]", "simulation.dexel_pitch_mm=1.5")
 GEAR, PLUNGED, PINION = "spiral-bevel-face-milled", "spiral-bevel-formate", "hypoid-pinion-phoenix"
@@ -18,11 +19,12 @@ CASES = (
 )  # fmt: skip
 
 
-def looked(name, *overrides):
-    """The tooth, and the figures and reading of its inspection, nothing cut."""
+def looked(name, *overrides, tooth=None):
+    """The tooth (or another in its place), and the figures and reading of its inspection, nothing cut."""
     scene, folder = load_scene(name, overrides)
     job = plan(scene, folder)
     (asked,) = (i for i in job.inspections if isinstance(i, ToothInspection))
+    asked = replace(asked, tooth=tooth or asked.tooth)
     steps = asked.steps(job)
     next(steps)
     with pytest.raises(StopIteration) as stop:
@@ -97,6 +99,21 @@ def test_the_slots_surfaces_meet(case):
     assert figures["gap"].most < 1e-6
 
 
+def test_fillets_of_a_head_that_stands_10_um_higher_gape_and_fail():
+    tooth, _, _ = looked(GEAR)
+    raised = replace(tooth, generator=replace(tooth.generator, sliding_base=tooth.generator.sliding_base + 0.01))
+
+    class Gaping(FaceMilledTooth):
+        def fillet(self, side):
+            return raised.fillet(side)
+
+    gaping = Gaping(tooth.blank, tooth.head, tooth.generator)
+    _, _, reading = looked(GEAR, tooth=gaping)
+    gap = reading.measurements[0].figures[1]
+    assert 5.0 < gap.most < 30.0
+    assert [f.text.split(":")[1].split(" flank")[0] for f in reading.findings] == [" gap between"]
+
+
 def test_what_is_wrong_is_named_with_its_number_and_what_is_not_demanded_is_said():
     _, _, reading = looked(GEAR)
     assert reading.findings == ()
@@ -163,7 +180,7 @@ def test_two_cuts_of_one_pinion_are_both_held_against_the_blank():
     job = plan(check_scene(table, "s"))
     (asked,) = (i for i in job.inspections if isinstance(i, ToothInspection))
     assert len(asked.tooth.bottoms) == 2
-    steps = replace(asked).steps(job)
+    steps = asked.steps(job)
     next(steps)
     with pytest.raises(StopIteration) as stop:
         steps.send([])
