@@ -4,9 +4,10 @@ import io
 import multiprocessing
 import os
 import resource
+import sys
 import traceback
 import warnings
-from contextlib import redirect_stderr, redirect_stdout
+from contextlib import contextmanager, redirect_stderr, redirect_stdout
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -20,6 +21,16 @@ class Outcome:
     code: int | None
     out: str
     err: str
+
+
+@contextmanager
+def _found():
+    """Meanwhile processes that are started find the tests, however these were started."""
+    sys.path.append(str(Path(__file__).parents[2]))
+    try:
+        yield
+    finally:
+        sys.path.pop()
 
 
 def _serve(pipe):
@@ -74,7 +85,8 @@ class Worker:
         context = multiprocessing.get_context("spawn")
         self._pipe, theirs = context.Pipe()
         self._process = context.Process(target=_serve, args=(theirs,), daemon=True)
-        self._process.start()
+        with _found():
+            self._process.start()
         theirs.close()
 
     def _stop(self):
