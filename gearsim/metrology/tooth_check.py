@@ -22,7 +22,7 @@ from gearsim.metrology.inspection import Reading, Steps
 from gearsim.surfaces.face_milled import FaceMilledTooth
 from gearsim.surfaces.hypoid import HypoidPinion
 from gearsim.surfaces.patch import SIDES, Side
-from gearsim.surfaces.slot_checks import slot_and_pitch, spiral_cosine
+from gearsim.surfaces.slot_checks import slot_and_pitch, spiral_angle
 from gearsim.surfaces.slot_patch import GeneratedPatch
 from gearsim.surfaces.tooth_demand import ToothDemand
 
@@ -159,7 +159,7 @@ class _Figures:
         flanks = (self.tooth.flank(side) for side in SIDES)
         concave, convex = (flank.jet(*flank.meet(*at)) for flank in flanks)
         place, demand = 0.5 * (concave.r[0] + convex.r[0]), self.demand
-        spiral = degrees(np.mean([np.arccos(spiral_cosine(blank, jet)[0]) for jet in (concave, convex)]))
+        spiral = degrees(abs(np.mean([spiral_angle(blank, jet)[0] for jet in (concave, convex)])))
         slot, pitch = (float(x[0]) for x in slot_and_pitch(blank, concave, convex))
         yield _one("spiral angle at mean", "deg", spiral, demand.spiral, demand.spiral_tolerance, place)
         tolerance = 1e-3 * demand.thickness_um

@@ -72,6 +72,15 @@ def spiral_cosine(blank: BevelBlank, jet: Jet) -> NDArray:
     return np.abs(np.sum(trace * generator, axis=1)) / np.linalg.norm(trace, axis=1)
 
 
+def spiral_angle(blank: BevelBlank, jet: Jet) -> NDArray:
+    """Angle [rad] from the cone's generator to flank traces on the cone, in (-pi/2, pi/2]; one hand is positive."""
+    generator, normal = blank.cone_directions(jet.r)
+    trace = np.cross(jet.normal, normal)
+    along = np.sum(trace * generator, axis=1)
+    across = np.sum(trace * np.cross(normal, generator), axis=1)
+    return np.arctan2(np.where(along < 0.0, -across, across), np.abs(along))
+
+
 def _check_depth(bottom: ToothSurface, blank: BevelBlank) -> None:
     """The bottom land lies in the material of the blank."""
     jet = bottom.jet(*bottom.locate(np.linspace(0.0, 1.0, _STATIONS), np.full(_STATIONS, 0.5)))
