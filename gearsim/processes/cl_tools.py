@@ -10,7 +10,7 @@ import numpy as np
 from gearsim.cutters.profile import Profile
 from gearsim.errors import InputError
 from gearsim.motion.sources import MotionSource
-from gearsim.programs.cldata import RAPID, CLProgram, CLTool, check_cutter, cutter_of, sizes_of
+from gearsim.programs.cldata import RAPID, CLProgram, CLTool, check_cutter, cutter_of, is_apt, sizes_of
 from gearsim.simulation.operation import Operation, operation
 
 
@@ -46,22 +46,14 @@ def _cutter(
             f"{where} is not known: {there}; give it seven numbers by CUTTER, or an entry of [[tools]] in a scene of "
             'toolpath.kind = "program"'
         )
-    alike = [cutter for cutter in (*named.values(), *([one] if one else [])) if _is_alike(tool, cutter)]
+    ours = (cutter for cutter in (*named.values(), *([one] if one else [])) if is_apt(cutter))
+    alike = [cutter for cutter in ours if not tool.sizes.differs(sizes_of(cutter))]
     if alike:
         return alike[0], check_cutter(tool.sizes, alike[0], file)
     try:
         return cutter_of(tool.sizes), (f"{tool} (line {tool.line}) is cut as CUTTER states it, to its printed digits",)
     except InputError as error:
         raise InputError(f"{where} is none of the scene's: {error}") from error
-
-
-def _is_alike(tool: CLTool, cutter: Profile) -> bool:
-    """Whether a cutter's shape is one that seven numbers state, and these are the tool's."""
-    try:
-        ours = sizes_of(cutter)
-    except InputError:
-        return False
-    return cutter.is_convex and tool.sizes is not None and not tool.sizes.differs(ours)
 
 
 def cl_operations(

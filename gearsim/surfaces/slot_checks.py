@@ -44,7 +44,7 @@ def _check_widths(concave: ToothSurface, convex: ToothSurface, height: float, wh
         )
     i = int(np.argmin(pitch - slot))
     if not pitch[i] - slot[i] > 0.0:
-        across = spiral_cosine(blank, ends[0])[i] * (slot[i] - pitch[i])
+        across = float(np.cos(spiral_angle(blank, ends[0])[i])) * (slot[i] - pitch[i])
         raise InputError(
             f"neighbouring slots overlap at the tooth's {where}: at cone distance {cone[i]:.4g} mm the slot is "
             f"{slot[i]:.4g} mm wide around the gear axis, the pitch {pitch[i]:.4g} mm, which leaves "
@@ -63,13 +63,6 @@ def slot_and_pitch(blank: BevelBlank, concave: Jet, convex: Jet) -> tuple[NDArra
     radius = np.hypot(here[:, 0], here[:, 1])
     into_slot = np.sign(concave.normal[:, 1] * here[:, 0] - concave.normal[:, 0] * here[:, 1])
     return radius * turn * into_slot, 2.0 * pi * radius / blank.teeth
-
-
-def spiral_cosine(blank: BevelBlank, jet: Jet) -> NDArray:
-    """Cosine of the angle between flank traces on the cone and the cone's generator."""
-    generator, normal = blank.cone_directions(jet.r)
-    trace = np.cross(jet.normal, normal)
-    return np.abs(np.sum(trace * generator, axis=1)) / np.linalg.norm(trace, axis=1)
 
 
 def spiral_angle(blank: BevelBlank, jet: Jet) -> NDArray:

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from tests.machines.matrices import litvin_settings
 from tests.surfaces.test_hypoid import SETTINGS, make_pinion
 
 GEAR_TO_REPORT = np.array([[0.0, 0.0, 1.0], [0.0, 1.0, 0.0], [-1.0, 0.0, 0.0]])
@@ -68,41 +69,19 @@ def m_pt(phi_p):
     return homogeneous(rx(np.asarray(phi_p)), 0.0) @ m_qn @ m_no @ m_ot(phi_p)
 
 
+def _typed_out(phi_p):
+    """(14) and (15): a_kl, shape (3, 3, n), and a_14, a_24, a_34, without the 1 that the print puts in their minus."""
+    return litvin_settings(TILT, SWIVEL, cradle(phi_p), np.asarray(phi_p), GAMMA, S_R, E_M, DELTA_B, DELTA_A)
+
+
 def coefficients(phi_p):
     """a_kl of (14), shape (n, 3, 3)."""
-    d, p = cradle(phi_p) - SWIVEL, np.asarray(phi_p)
-    s, c, si, ci, sg, cg, sp, cp = (
-        np.sin(d), np.cos(d), np.sin(TILT), np.cos(TILT), np.sin(GAMMA), np.cos(GAMMA), np.sin(p), np.cos(p)
-    )  # fmt: skip
-    return stack(
-        [
-            [ci * cg * s - si * sg, -c * cg, si * cg * s + ci * sg],
-            [
-                ci * sg * sp * s + ci * c * cp + si * cg * sp,
-                -c * sg * sp + s * cp,
-                si * sg * sp * s + si * c * cp - ci * cg * sp,
-            ],
-            [
-                -ci * sg * cp * s + ci * c * sp - si * cg * cp,
-                sg * cp * c + s * sp,
-                -si * sg * s * cp + si * c * sp + ci * cg * cp,
-            ],
-        ]
-    )
+    return np.moveaxis(_typed_out(phi_p)[0], (0, 1), (-2, -1))
 
 
 def head_centre(phi_p):
-    """a_14, a_24, a_34 of (15), without the 1 that the print puts inside the minus sign."""
-    q, p = cradle(phi_p), np.asarray(phi_p)
-    sg, cg, sp, cp = np.sin(GAMMA), np.cos(GAMMA), np.sin(p), np.cos(p)
-    return np.stack(
-        [
-            S_R * np.cos(q) * cg - DELTA_B * sg - DELTA_A,
-            -S_R * (np.sin(q) * cp - np.cos(q) * sg * sp) + E_M * cp + DELTA_B * cg * sp,
-            -S_R * (np.sin(q) * sp + np.cos(q) * sg * cp) + E_M * sp - DELTA_B * cg * cp,
-        ],
-        -1,
-    )
+    """a_14, a_24, a_34 of (15), shape (n, 3)."""
+    return np.moveaxis(_typed_out(phi_p)[1], 0, -1)
 
 
 def cone_point(side, s, theta):

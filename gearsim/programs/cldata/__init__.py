@@ -6,7 +6,7 @@ text word (PARTNO, PPRINT, ...). ``PPRINT PASS name`` names the cutting moves th
 told in a program's notes or refused with its line; nothing is dropped.
 """
 
-from gearsim.programs.cldata.cutter import CutterSizes, apt_parameters, check_cutter, cutter_of, sizes_of
+from gearsim.programs.cldata.cutter import CutterSizes, apt_parameters, check_cutter, cutter_of, is_apt, sizes_of
 from gearsim.programs.cldata.program import RAPID, CLPath, CLProgram
 from gearsim.programs.cldata.reader import parse_cl, read_cl_text
 from gearsim.programs.cldata.tools import CLTool
@@ -23,6 +23,7 @@ __all__ = [
     "check_cutter",
     "cutter_of",
     "format_cl",
+    "is_apt",
     "parse_cl",
     "read_cl_text",
     "sizes_of",

@@ -111,7 +111,7 @@ def apt_parameters(cutter: Profile | CutterSizes) -> tuple[float, ...]:
     return 2.0 * meet, r, e, f, degrees(alpha), degrees(beta), cutter.height
 
 
-def _is_apt(cutter: Profile) -> bool:
+def is_apt(cutter: Profile) -> bool:
     """Whether the seven numbers say all of a cutter."""
     if cutter.is_ring or not cutter.is_convex:
         return False
@@ -137,7 +137,7 @@ def check_cutter(theirs: CutterSizes | None, cutter: Profile, file: str, name: s
     """
     if theirs is None:
         return ()
-    if not _is_apt(cutter):
+    if not is_apt(cutter):
         return (f"{theirs} (line {theirs.line}) was not compared: the scene's {name}, {cutter.name}, is no APT cutter",)
     ours = sizes_of(cutter)
     if letters := theirs.differs(ours):
