@@ -53,6 +53,7 @@ _GIVEN = {  # by inspections, where the measurements have other names
     "GougingInspection": ("GridMeasurement", "GougingMeasurement"),
     "SpaceInspection": ("DexelMeasurement",),
     "RapidInspection": (),
+    "HolderInspection": (),
 }
 _OF_THE_JOB = "motions"
 
@@ -69,13 +70,17 @@ def presented(result: Result) -> list[tuple[ModuleType, list[Any]]]:
     return [*own, (import_module(f"gearsim.output.{_OF_THE_JOB}"), [])]
 
 
+def presenters_of(inspection: str) -> list[str]:
+    """The presenters of what an inspection, given by its class's name, measures. Raises KeyError for an unknown one."""
+    return [_MODULES[name] for name in _GIVEN.get(inspection, (inspection.replace("Inspection", "Measurement"),))]
+
+
 def promised(job: Job) -> list[str]:
     """The names of the files that may come of a job's inspections, and of the job itself, each once."""
     asked: dict[str, list[Any]] = {}
     for inspection in job.inspections:
-        kind = type(inspection).__name__
-        for given in _GIVEN.get(kind, (kind.replace("Inspection", "Measurement"),)):
-            asked.setdefault(_MODULES[given], []).append(inspection)
+        for name in presenters_of(type(inspection).__name__):
+            asked.setdefault(name, []).append(inspection)
     modules = [(import_module(f"gearsim.output.{name}"), found) for name, found in (asked | {_OF_THE_JOB: []}).items()]
     names = [module.files(job, found) for module, found in modules if hasattr(module, "files")]
     return list(dict.fromkeys(name for some in names for name in some))
