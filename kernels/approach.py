@@ -12,6 +12,7 @@ import warp as wp
 
 from gearsim.kernels.exact_pose import ExactMotion, ExactPose, exact_pose
 from gearsim.kernels.meridian import Meridian, meridian_distance
+from gearsim.kernels.options import OPTIONS
 
 f64 = wp.float64
 
@@ -20,7 +21,7 @@ FAR = wp.constant(f64(1.0e300))
 DEEP = wp.constant(64)  # levels of the tree, twice
 SPLITS = wp.constant(64)
 
-wp.set_module_options({"enable_backward": False})
+wp.set_module_options(OPTIONS)
 
 
 @wp.struct

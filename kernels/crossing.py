@@ -6,6 +6,7 @@ from gearsim.kernels.approach import distance_at, distance_rate
 from gearsim.kernels.charts import ChartPoint, Place, chart_point, least_axis
 from gearsim.kernels.exact_pose import BEYOND, ExactMotion, exact_pose
 from gearsim.kernels.meridian import Meridian
+from gearsim.kernels.options import OPTIONS
 
 f64 = wp.float64
 
@@ -22,7 +23,7 @@ DEEP = wp.constant(64)
 ZERO = wp.constant(f64(1.0e-11))
 FINEST = wp.constant(f64(1.0e-14))
 
-wp.set_module_options({"enable_backward": False})
+wp.set_module_options(OPTIONS)
 
 
 @wp.struct

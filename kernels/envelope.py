@@ -2,13 +2,15 @@
 
 import warp as wp
 
+from gearsim.kernels.options import OPTIONS
+
 f64 = wp.float64
 
 # Circles that stand still or move along their axis, as in geometry/grazing.py.
 AT_REST = wp.constant(f64(1e-10))
 PARALLEL = wp.constant(f64(1e-11))
 
-wp.set_module_options({"enable_backward": False})
+wp.set_module_options(OPTIONS)
 
 
 @wp.struct

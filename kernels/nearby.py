@@ -3,10 +3,11 @@
 import warp as wp
 
 from gearsim.kernels.approach import FAR
+from gearsim.kernels.options import OPTIONS
 
 f64 = wp.float64
 
-wp.set_module_options({"enable_backward": False})
+wp.set_module_options(OPTIONS)
 
 
 @wp.kernel

@@ -2,12 +2,14 @@
 
 import warp as wp
 
+from gearsim.kernels.options import OPTIONS
+
 f64 = wp.float64
 
 MAX_DEGREE = 15
 Functions = wp.types.matrix(shape=(3, MAX_DEGREE + 1), dtype=f64)
 
-wp.set_module_options({"enable_backward": False})
+wp.set_module_options(OPTIONS)
 
 
 @wp.struct

@@ -6,6 +6,7 @@ from gearsim.kernels.approach import DEEP, FAR, Stretches, distance_at, distance
 from gearsim.kernels.crossing import Rays
 from gearsim.kernels.exact_pose import ExactMotion, exact_pose
 from gearsim.kernels.meridian import Meridian, meridian_distance
+from gearsim.kernels.options import OPTIONS
 
 f64 = wp.float64
 
@@ -14,7 +15,7 @@ GRAZES = wp.constant(f64(0.05))
 TINY = wp.constant(f64(1.0e-300))
 STILL = wp.constant(f64(1.0e-10))
 
-wp.set_module_options({"enable_backward": False})
+wp.set_module_options(OPTIONS)
 
 
 @wp.func

@@ -4,6 +4,7 @@ import warp as wp
 
 from gearsim.kernels.cull import Groups, near_stretch
 from gearsim.kernels.interval import IntervalLists, covers
+from gearsim.kernels.options import OPTIONS
 from gearsim.kernels.pose import Motion
 from gearsim.kernels.profile import Cutter, Cutters, convex_part
 from gearsim.kernels.sweep import cut_by_segment
@@ -11,13 +12,7 @@ from gearsim.kernels.tool_ray import greater
 
 f64 = wp.float64
 
-wp.set_module_options(
-    {
-        "enable_backward": False,
-        # cut_by_segment inlined into the loop over candidates, which clang would not do unasked: 15 % faster
-        "cpu_compiler_flags": "-march=native -mllvm=-inline-threshold=100000",
-    }
-)
+wp.set_module_options(OPTIONS)
 
 CAPSULE_PAD = wp.constant(wp.float32(1.0e-3))
 CAPSULE_SHARE = wp.constant(wp.float32(1.0e-6))

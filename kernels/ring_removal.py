@@ -3,6 +3,7 @@
 import warp as wp
 
 from gearsim.kernels.interval import IntervalLists, free_stretch, insert
+from gearsim.kernels.options import OPTIONS
 from gearsim.kernels.pose import Motion
 from gearsim.kernels.removal import CAPSULE_PAD, CAPSULE_SHARE, extent_of
 from gearsim.kernels.ring import Ring, rounding_of, window_of
@@ -12,7 +13,7 @@ from gearsim.kernels.sweep import STATUS_INTERVALS_OVERFLOW, STATUS_NOT_CONVERGE
 
 f64 = wp.float64
 
-wp.set_module_options({"enable_backward": False})
+wp.set_module_options(OPTIONS)
 
 MAX_SWEEPS = wp.constant(64)
 # Rows next to each other cut nearly alike: every 64th first, so that most of the others find their part cut already.
