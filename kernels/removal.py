@@ -53,13 +53,18 @@ def cut_rays(
     tau_min: wp.array(dtype=f64),
     tau_max: wp.array(dtype=f64),
     job: wp.array(dtype=wp.int32),
+    coarse: wp.array(dtype=wp.vec2i),
     # out
     lists_out: IntervalLists,
     candidates_out: wp.array(dtype=wp.int32),
     pairs_out: wp.array(dtype=wp.int32),
     status_out: wp.array(dtype=wp.int32),
 ):
-    """Cut each ray by its job's segments whose bounds its window [tau_min, tau_max] meets, a convex part at a time."""
+    """Cut each ray by its job's segments whose bounds its window [tau_min, tau_max] meets, a convex part at a time.
+
+    ``coarse`` of a job: its first row, and that every which row comes first, before all; those next to each other cut
+    nearly alike, so that most find their part cut already.
+    """
     ray = first + wp.tid()
     o = origin[ray]
     d = direction[ray]
@@ -67,31 +72,39 @@ def cut_rays(
     root = wp.bvh_get_group_root(bvh, job[ray])
     if root < 0:
         return
+    start = wp.vec3(o + window[0] * d)
+    way = wp.vec3((window[1] - window[0]) * d)
     extent = extent_of(o + window[0] * d, o + window[1] * d)
     candidates = int(0)
     pairs = int(0)
     status = int(0)
     for p in range(cutters.job_first[job[ray]], cutters.job_first[job[ray] + 1]):
         part = convex_part(cutters, p, extent)
-        candidates = int(0)
         pad = CAPSULE_PAD + CAPSULE_SHARE * wp.float32(extent)
-        query = wp.bvh_query_capsule(bvh, wp.vec3(o + window[0] * d), wp.vec3((window[1] - window[0]) * d), pad, root)
-        group = int(0)
-        while wp.bvh_query_next(query, group, wp.float32(1.0)):
-            row = groups.first[group]
-            end = groups.first[group + 1]
-            candidates += end - row
-            tip = groups.tip[group]
-            axis = groups.axis[group]
-            if end - row > 1 and not may_cut(part, tip, axis, groups.spread[group], o, d, window, ray, lists_out):
-                row = end
-            while row < end:
-                tip = motion.tip[row, 0]
-                axis = motion.axis[row, 0]
-                if may_cut(part, tip, axis, motion.speed[row], o, d, window, ray, lists_out):
-                    pairs += 1
-                    status = status | cut_by_segment(part, motion, row, o, d, window, tolerance, ray, lists_out)
-                row += 1
+        begin = coarse[job[ray]][0]
+        step = coarse[job[ray]][1]
+        while step > 0:
+            candidates = int(0)
+            query = wp.bvh_query_capsule(bvh, start, way, pad, root)
+            group = int(0)
+            while wp.bvh_query_next(query, group, wp.float32(1.0)):
+                end = groups.first[group + 1]
+                candidates += end - groups.first[group]
+                row = begin + (groups.first[group] - begin + step - 1) // step * step
+                tip = groups.tip[group]
+                axis = groups.axis[group]
+                if end - row > step and not may_cut(
+                    part, tip, axis, groups.spread[group], o, d, window, ray, lists_out
+                ):
+                    row = end
+                while row < end:
+                    tip = motion.tip[row, 0]
+                    axis = motion.axis[row, 0]
+                    if may_cut(part, tip, axis, motion.speed[row], o, d, window, ray, lists_out):
+                        pairs += 1
+                        status = status | cut_by_segment(part, motion, row, o, d, window, tolerance, ray, lists_out)
+                    row += step
+            step = wp.where(step > 1, 1, 0)
     candidates_out[ray] = candidates
     pairs_out[ray] = pairs
     status_out[ray] = status

@@ -8,6 +8,8 @@ from math import factorial
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+_YZX, _ZXY = [1, 2, 0], [2, 0, 1]
+
 
 @dataclass(frozen=True)
 class Series:
@@ -66,10 +68,9 @@ class Series:
         if isinstance(other, Series):
             n = min(self.order, other.order) + 1
             return Series(self.c[:n] + other.c[:n])
-        constant = np.asarray(other)
-        shape = np.broadcast_shapes(self.c.shape[1:], constant.shape)
-        c = np.array(np.broadcast_to(self.c, (self.order + 1, *shape)))
-        c[0] = c[0] + constant
+        value = self.c[0] + np.asarray(other)
+        c = np.empty((self.order + 1, *value.shape), dtype=value.dtype)
+        c[0], c[1:] = value, self.c[1:]
         return Series(c)
 
     __radd__ = __add__
@@ -84,7 +85,11 @@ class Series:
         if not isinstance(other, Series):
             return Series(self.c * np.asarray(other))
         n = min(self.order, other.order) + 1
-        return Series(np.stack([sum(self.c[i] * other.c[k - i] for i in range(k + 1)) for k in range(n)]))
+        a, b = _aligned(self.c[:n], other.c[:n])
+        c = a[0] * b
+        for i in range(1, n):
+            c[i:] += a[i] * b[: n - i]
+        return Series(c)
 
     __rmul__ = __mul__
 
@@ -143,11 +148,21 @@ def dot(a: Series, b: Series) -> Series:
 def cross(a: Series, b: Series) -> Series:
     """Vector product of two vector series."""
     n = min(a.order, b.order) + 1
-    return Series(
-        np.stack([sum(np.cross(a.c[i], b.c[k - i]) for i in range(k + 1)) for k in range(n)])  # type: ignore[arg-type]
-    )
+    left, right = _aligned(a.c[:n], b.c[:n])
+    left1, left2, right1, right2 = left[..., _YZX], left[..., _ZXY], right[..., _YZX], right[..., _ZXY]
+    c = left1[0] * right2 - left2[0] * right1
+    for i in range(1, n):
+        c[i:] += left1[i] * right2[: n - i] - left2[i] * right1[: n - i]
+    return Series(c)
 
 
 def unit(a: Series) -> Series:
     """A vector series divided by its length."""
     return a / sqrt(dot(a, a)).column
+
+
+def _aligned(a: NDArray, b: NDArray) -> tuple[NDArray, NDArray]:
+    """Coefficients of two series with axes of one behind the first, so that each term of one meets all of the other."""
+    dims = max(a.ndim, b.ndim)
+    a, b = (c.reshape(len(c), *(1,) * (dims - c.ndim), *c.shape[1:]) for c in (a, b))
+    return a, b

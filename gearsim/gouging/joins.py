@@ -8,10 +8,10 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.spatial import cKDTree
 
 from gearsim.gouging.lines import Lines
 from gearsim.gouging.sides import Sides, half_sides, joined, no_sides, sides_about
@@ -145,7 +145,7 @@ class _Target:
             self.guess = np.concatenate([self.guess, *[e for loop in face.loops for e in loop]])
             self.outline = _Outline(face, tolerance)
         self.points = surface.jet(*self.guess.T).r
-        self.tree = cKDTree(self.points)
+        self.tree = _tree(self.points)
 
     def sides(self, at: Sides, place: NDArray) -> Sides:
         """This face's sides at points of others, or at its own where a seam brings it back."""
@@ -207,8 +207,8 @@ class _Outline:
         self.begin = face.outline[0]
         bends = [np.diff(face.surface.jet(*e.T).r, 2, axis=0) for loop in face.loops for e in loop]
         self.sag = 0.25 * max(float(np.linalg.norm(b, axis=1).max(initial=0.0)) for b in bends)
-        self.vertices = cKDTree(self._keys(self.rows[:, :2]))
-        self.corners = cKDTree(self._keys(self.rows[self.corner, :2])) if self.corner.any() else None
+        self.vertices = _tree(self._keys(self.rows[:, :2]))
+        self.corners = _tree(self._keys(self.rows[self.corner, :2])) if self.corner.any() else None
 
     def sides(self, number: int, place: NDArray, u: NDArray, v: NDArray, at: Sides, tolerance: float) -> Sides:
         """The face's sides at points on it: at its corners, its border, or inside; none off it."""
@@ -270,3 +270,10 @@ def _corners(surface: NurbsSurface, rows: NDArray) -> NDArray[np.bool_]:
     on, back = (w[:, :1] * jet.ru + w[:, 1:] * jet.rv for w in (rows[:, 2:4], rows[:, 4:6]))
     sine = np.linalg.norm(np.cross(on, back), axis=1)
     return np.asarray(np.arctan2(sine, np.einsum("ni,ni->n", on, back)) > 1e-2)
+
+
+def _tree(points: NDArray) -> Any:
+    """A k-d tree of points."""
+    from scipy.spatial import cKDTree  # slow to load, and only faces that may join need it
+
+    return cKDTree(points)

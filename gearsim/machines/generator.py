@@ -93,11 +93,12 @@ class CradleGenerator:
         angle = Series.variable(phi, order)
         cradle = series.exp((angle + self.cradle_angle) * 1j)
         lean = cradle * (1j * np.exp(1j * self.swivel))
-        nil = Series(np.zeros_like(angle.c))
         work = series.exp(self.work_angle(angle) * -1j)
-        tip = self._turned(cradle * self.radial_distance + 1j * self.blank_offset, nil - self.sliding_base, work)
-        into_gear = self._turned(lean * sin(self.tilt), nil + cos(self.tilt), work)
-        radial = self._turned(lean * cos(self.tilt), nil - sin(self.tilt), work)
+        across = series.stack(
+            [cradle * self.radial_distance + 1j * self.blank_offset, lean * sin(self.tilt), lean * cos(self.tilt)]
+        )
+        into = Series(np.zeros(across.c.shape)) + np.array([-self.sliding_base, cos(self.tilt), -sin(self.tilt)])
+        tip, into_gear, radial = (Series(c) for c in np.moveaxis(self._turned(across, into, work.column).c, -2, 0))
         centre = np.array([0.0, 0.0, -self.machine_centre_to_back])
         return FrameSeries(tip + centre, -into_gear, radial)
 
@@ -124,7 +125,7 @@ class CradleGenerator:
         )  # fmt: skip
 
     def _turned(self, across: Series, into: Series, work: Series) -> Series:
-        """A machine-frame vector (x + i y, z) in the gear frame: by the root angle, then by the work's turn."""
+        """Machine-frame vectors (x + i y, z) in the gear frame: by the root angle, then by the work's turn."""
         c, s = cos(self.machine_root_angle), sin(self.machine_root_angle)
         planar = Series((across.real * s - into * c).c + 1j * across.imag.c) * work
         return series.stack([planar.real, planar.imag, across.real * c + into * s])

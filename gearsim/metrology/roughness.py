@@ -13,7 +13,6 @@ from math import ceil, floor, log, pi, sqrt
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.ndimage import correlate1d
 
 from gearsim.errors import InputError
 
@@ -93,6 +92,8 @@ def waviness(height_um: NDArray, spacing: float, cutoff_mm: float = CUTOFF_MM) -
     It passes half of a wave as long as the cutoff. The weighting function reaches one cutoff to each side; near the
     ends what lies outside the trace is left out and the rest weighted up.
     """
+    from scipy.ndimage import correlate1d  # slow to load, and not every job asks for roughness
+
     reach = min(ceil(cutoff_mm / spacing), len(height_um) - 1)
     offset = spacing * np.arange(-reach, reach + 1)
     weight = np.exp(-pi * (offset / (_ALPHA * cutoff_mm)) ** 2)

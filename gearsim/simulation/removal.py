@@ -37,6 +37,8 @@ from gearsim.simulation.tools import (
 TILE_BYTES = 1 << 29
 SLOT_BYTES = 24
 SLICE_RAYS = 2048
+_COARSE_STEP = 8
+_COARSE_FROM = 4096  # rows; fewer are cut at once faster
 
 
 @dataclass(frozen=True)
@@ -228,6 +230,9 @@ class Loaded:
         else:
             groups = [row_groups(table, cutter) for table, cutter in motions]
             self.bvh = grouped_bvh(groups, device)
+            steps = [_COARSE_STEP if len(table) >= _COARSE_FROM else 1 for table in tables]
+            coarse = np.stack([self.first_row[:-1], steps], axis=1)
+            self.coarse = wp.array(coarse, dtype=wp.vec2i, device=device)
             self.kernel, tool = kernels.cut_rays, [cutter_data(cutters, device), motion, group_data(groups, device)]
         self.inputs = [*tool, self.bvh.id, tolerance]
 
@@ -261,7 +266,7 @@ class Loaded:
             wp.array(rays.end, dtype=wp.float64, device=self.device),
         ]
         if not self.ring:
-            inputs.append(wp.array(number, dtype=wp.int32, device=self.device))
+            inputs += [wp.array(number, dtype=wp.int32, device=self.device), self.coarse]
         lists = self._lists(n)
         counters = [wp.zeros(n, dtype=wp.int32, device=self.device) for _ in range(3)]
 

@@ -158,8 +158,24 @@ def test_cpu_threads_and_tiles_are_bit_identical(rng, monkeypatch):
     assert (one.pairs, one.candidates) == (many.pairs, many.candidates)
 
 
-def test_jobs_in_one_launch_are_bit_identical_to_separate_cuts(rng, monkeypatch):
+def test_every_which_row_first_removes_the_same(device, rng, monkeypatch):
+    """Rays whose first rows lie anywhere in the order; ends in the window to the tolerance of two searches."""
+    for cutter in CUTTERS:
+        source = random_path(rng)
+        rays, table = grazing_rays(rng, source, cutter, 200), compile_motion(source, cutter.reach)
+        at_once = cut(rays, table, cutter, device=device).removed
+        monkeypatch.setattr(removal, "_COARSE_FROM", 1)
+        first = cut(rays, table, cutter, device=device).removed
+        monkeypatch.undo()
+        assert np.array_equal(at_once.first, first.first)
+        assert np.allclose(at_once.lo, first.lo, atol=2e-9, rtol=0.0)
+        assert np.allclose(at_once.hi, first.hi, atol=2e-9, rtol=0.0)
+
+
+@pytest.mark.parametrize("coarse_from", [10**9, 3])
+def test_jobs_in_one_launch_are_bit_identical_to_separate_cuts(rng, monkeypatch, coarse_from):
     """Convex, undercut and ring-shaped tools, motions of one row and of many, and a job without rays."""
+    monkeypatch.setattr(removal, "_COARSE_FROM", coarse_from)
     cutters = [*CUTTERS, ring(), every_shape()["T-slot"]]
     jobs = []
     for i in range(24):

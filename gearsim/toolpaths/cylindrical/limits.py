@@ -7,6 +7,7 @@ roll must hold from the tool's end up to the top face.
 
 from __future__ import annotations
 
+from functools import lru_cache
 from math import cos, sin, sqrt, tan
 
 import numpy as np
@@ -26,6 +27,7 @@ def transverse(gear: CylindricalGear, distance: float) -> float:
     return distance / cos(gear.base_helix_angle)
 
 
+@lru_cache(4096)  # every cause of an error budget plans the same passes
 def pass_range(gear: CylindricalGear, side: Side, z: float, tool_radius: float, stock: float) -> tuple[float, float]:
     """Rolls [rad] at the tool's end, least and largest, of a pass at height z [mm] that leaves ``stock`` [mm].
 
