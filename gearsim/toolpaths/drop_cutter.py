@@ -23,6 +23,7 @@ from gearsim.toolpaths.sculptured import AXIS, SculpturedPath, Touches, refined
 
 _KEEP = 3  # places where a tool may touch that are looked into
 _NEWTON = 12
+_STILL = 1e-10  # of a grid step: what the next step of Newton's method would move is rounding
 _SPREAD = 24  # starts about a pole
 _SLOPE = 1e-6
 _ROOT = 1e-9
@@ -167,16 +168,18 @@ class _Search:
     @staticmethod
     def _tops(lift: NDArray) -> tuple[NDArray, NDArray, NDArray]:
         """Which place, row and column the highest points that no neighbour overtops have."""
-        n, rows, columns = lift.shape
         padded = np.pad(lift, ((0, 0), (1, 1), (1, 1)), constant_values=-np.inf)
-        around = [padded[:, i : i + rows, j : j + columns] for i in range(3) for j in range(3) if (i, j) != (1, 1)]
-        with np.errstate(invalid="ignore"):
-            steepest = np.nan_to_num(lift - np.minimum.reduce(around), nan=0.0, posinf=np.inf)
-        hopeful = lift + steepest >= lift.max(axis=(1, 2), keepdims=True)
-        peak = np.where((lift >= np.maximum.reduce(around)) & hopeful, lift, -np.inf).reshape(n, -1)
-        first = np.argpartition(-peak, min(_KEEP, peak.shape[1] - 1), axis=1)[:, :_KEEP]
-        owner, rank = np.nonzero(np.isfinite(np.take_along_axis(peak, first, axis=1)))
-        return owner, *np.divmod(first[owner, rank], columns)
+        down = np.maximum(np.maximum(padded[:, :-2], padded[:, 1:-1]), padded[:, 2:])
+        around = np.maximum(np.maximum(down[..., :-2], down[..., 1:-1]), down[..., 2:])
+        owner, i, j = np.nonzero((lift >= around) & (lift > -np.inf))
+        height = lift[owner, i, j]
+        lowest = np.min([padded[owner, i + k, j + m] for k in range(3) for m in range(3)], axis=0)
+        hopeful = height + (height - lowest) >= lift.max(axis=(1, 2))[owner]
+        owner, i, j, height = (a[hopeful] for a in (owner, i, j, height))
+        order = np.lexsort((-height, owner))
+        owner, i, j = owner[order], i[order], j[order]
+        rank = np.arange(len(owner)) - np.searchsorted(owner, owner)
+        return owner[rank < _KEEP], i[rank < _KEEP], j[rank < _KEEP]
 
     def _lift(self, place: NDArray, at: NDArray) -> NDArray:
         r = self.surface.at(at[:, 0], at[:, 1])
@@ -190,21 +193,26 @@ class _Search:
 
     def _newton(self, place: NDArray, start: NDArray) -> NDArray:
         """Parameters (m, 2) whose contact has its tip at the place; nan where Newton's method finds none."""
-        at = start.copy()
+        at, left = start.copy(), np.arange(len(start))
         h = _SLOPE * (self.high - self.low)
         for _ in range(_NEWTON):
-            miss = self._miss(place, at)
+            if not len(left):
+                break
+            here, goal = at[left], place[left]
+            miss = self._miss(goal, here)
             slopes = []
             for k in (0, 1):
-                inward = np.where(at[:, k] + h[k] <= self.high[k], h[k], -h[k])
-                aside = at.copy()
+                inward = np.where(here[:, k] + h[k] <= self.high[k], h[k], -h[k])
+                aside = here.copy()
                 aside[:, k] += inward
-                slopes.append((self._miss(place, aside) - miss) / inward[:, None])
+                slopes.append((self._miss(goal, aside) - miss) / inward[:, None])
             (a, c), (b, d) = slopes[0].T, slopes[1].T
             with np.errstate(divide="ignore", invalid="ignore"):
                 move = -np.column_stack([d * miss[:, 0] - b * miss[:, 1], a * miss[:, 1] - c * miss[:, 0]])
                 move /= (a * d - b * c)[:, None]
-            at = np.clip(at + np.clip(np.nan_to_num(move), -self.step, self.step), self.low, self.high)
+            move = np.clip(np.nan_to_num(move), -self.step, self.step)
+            at[left] = np.clip(here + move, self.low, self.high)
+            left = left[(np.abs(move) > _STILL * self.step).any(axis=1)]
         done = np.linalg.norm(self._miss(place, at), axis=1) <= _ROOT
         done &= np.all(np.abs(at - start) <= 3.0 * self.step, axis=1)
         return np.where(done[:, None], at, np.nan)
