@@ -31,7 +31,8 @@ def write_parquet(tables: list[dict[str, Column]], result: Result, file: Path) -
     told = {name: about(name, _together([table for table in tables if name in table], name)) for name in names}
     notes["columns"] = json.dumps(told, ensure_ascii=False)
     fields = [whole.schema.field(name).with_metadata(_texts(told[name])) for name in names]
-    pq.write_table(whole.cast(pa.schema(fields, {f"gearsim.{k}": v for k, v in notes.items()})), file)
+    schema = pa.schema(fields, {f"gearsim.{k}": v for k, v in notes.items()})
+    pq.write_table(pa.Table.from_arrays(whole.columns, schema=schema), file)
 
 
 def _together(tables: list[dict[str, Column]], name: str) -> Column:
