@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from math import inf
 
 import numpy as np
 from numpy.typing import NDArray
@@ -44,7 +45,8 @@ def cross_cut(grid: SampleGrid, strangers: Deviation, tolerance: Tolerance | Non
     """The deepest cut of operations that are not meant for this surface."""
     worst = _deepest(grid, strangers)
     if worst is not None:
-        text = f"another pass cuts the {grid.patch.name} surface beyond its intended form"
+        beyond = _beyond(strangers, worst[0])
+        text = f"another pass cuts the {grid.patch.name} surface beyond its intended form{beyond}"
         yield _finding("cross_cut", grid, *worst, tolerance, text)
 
 
@@ -82,7 +84,7 @@ def root_findings(
     cuts = [(k, worst) for k, patch in enumerate(patches) if (worst := _deepest(*patch)) is not None]
     if cuts:
         k, (i, depth) = min(cuts, key=lambda c: c[1][1])
-        text = f"the {_where(patches[k][0])} is overcut"
+        text = f"the {_where(patches[k][0])} is overcut{_beyond(patches[k][1], i)}"
         found.append(_finding("root_cut", patches[k][0], i, depth, tolerances[k], text))
     heights = [_height(deviation, grid) for grid, deviation in patches]
     k = max(range(len(patches)), key=lambda k: float(heights[k].max()))
@@ -90,9 +92,18 @@ def root_findings(
     depth = 1e3 * float(heights[k][i])
     if depth <= 0.0:
         return found
-    text = f"stock is left on the {_where(patches[k][0])}; it takes a pass of its own"
+    text = f"stock is left on the {_where(patches[k][0])}{_beyond(patches[k][1], i)}; it takes a pass of its own"
     found.append(_finding("root_stock", patches[k][0], i, depth, tolerances[k], text))
     return found
+
+
+def stock_left(grid: SampleGrid, deviation: Deviation, tolerance: Tolerance | None) -> Iterator[Finding]:
+    """The most material measured where a tolerance limits the overcut alone: it fails nothing and is known."""
+    um = 1e3 * np.where(deviation.measured, deviation.value, 0.0).ravel()
+    i = int(np.argmax(um))
+    if tolerance is not None and tolerance.excess_um == inf and um[i] > 1e3 * _SEEN_MM:
+        text = f"stock is left on the {_where(grid)}, which no tolerance limits"
+        yield _finding("stock_left", grid, i, float(um[i]), tolerance, text)
 
 
 def out_of_tolerance(
@@ -126,6 +137,12 @@ def _height(deviation: Deviation, grid: SampleGrid) -> NDArray:
     """Material left [mm], at least, flat."""
     uncut = deviation.crossing == Crossing.UNCUT
     return np.where(uncut, grid.outward, np.nan_to_num(deviation.value)).ravel()
+
+
+def _beyond(deviation: Deviation, i: int) -> str:
+    """That a depth is the measuring window's, which is no more than a bound."""
+    bounds = (Crossing.UNCUT, Crossing.THROUGH)
+    return " beyond the measuring window" if deviation.crossing.ravel()[i] in bounds else ""
 
 
 def _where(grid: SampleGrid) -> str:

@@ -14,7 +14,7 @@ from gearsim.envelope import TRIM_TOLERANCE
 from gearsim.geometry.rays import RayBundle
 from gearsim.metrology.convergence import Series
 from gearsim.metrology.deviation import Crossing, Deviation, measure
-from gearsim.metrology.findings import Finding, cross_cut, deeper_than_last, out_of_tolerance
+from gearsim.metrology.findings import Finding, cross_cut, deeper_than_last, out_of_tolerance, stock_left
 from gearsim.metrology.inspection import Cut, Question, Reading, Solve, Steps, together
 from gearsim.metrology.last_operation import last_heading, made_last
 from gearsim.metrology.roads import LIMIT_UM, RoadGap, road_gap
@@ -173,6 +173,7 @@ class GridInspection:
             yield from cross_cut(grid, strangers, tolerance)
         for name in self.judged:
             yield from out_of_tolerance(grid, found[name].deviation, tolerance, f"under {name}")
+            yield from stock_left(grid, found[name].deviation, tolerance)
         if self.last in found:
             yield from deeper_than_last(grid, found[self.variants[0]].deviation, found[self.last].deviation)
 

@@ -105,9 +105,11 @@ class _Plan:
     def _dense(self, surface: str) -> GridInspection:
         m, judged = self.scene.metrology, surface in self.judged
         motions = (self.own,) if self.own else ()
+        others = [name for name in self.part.surfaces if name not in self.judged]
         return GridInspection(
             surface, (PROGRAM, *motions), motions, m.rows, m.columns, m.margin, m.window,
             judged=(PROGRAM,) if judged else (), generating=self.own, last=LAST if judged else "",
+            remark=f"not judged: {', '.join(others)}" if others else "",
         )  # fmt: skip
 
     def _coarse(self, side: str) -> GridInspection:

@@ -121,12 +121,13 @@ def _inspections(
 
 
 def _remark(texts: dict[str, str], judged: tuple[str, ...], tooth: tuple[ToothInspection, ...]) -> str:
-    """That the generating motion, which is the first one, is measured against itself, where it is judged."""
-    own = next(iter(texts))
-    if own not in judged:
-        return ""
-    alone = "" if tooth else "; no blank says what the part demands"
-    return f"under {own} the surfaces are measured against themselves, as its own envelope{alone}"
+    """That the generating motion, which is the first one, is measured against itself; and motions not judged."""
+    own, told = next(iter(texts)), []
+    if own in judged:
+        alone = "" if tooth else "; no blank says what the part demands"
+        told = [f"under {own} the surfaces are measured against themselves, as its own envelope{alone}"]
+    others = [name for name in texts if name not in judged]
+    return "; ".join(told + [f"not judged: {', '.join(others)}"] * bool(others))
 
 
 def _grid(

@@ -56,11 +56,27 @@ def test_a_bevel_gear_cut_from_gcode_is_that_cut_from_cl_data(flank, by_gcode):
     assert nc.measurements["", "program", "tri-dexel"].check_um < 1e-3
 
 
+def test_stock_in_the_root_is_named_whatever_the_program_is_written_in(flank, by_gcode):
+    """The root's surfaces have no limit of what is left: CL data's verdict names it, so must G-code's."""
+    (_, cl), (nc, _) = flank, by_gcode
+    root = ("concave fillet", "bottom", "convex fillet")
+    left = {f.patch: f for f in nc.findings if f.kind == "stock_left"}
+    assert set(left) == set(root)
+    for name in root:
+        most = 1e3 * np.nanmax(nc.measurements[name, "program", DENSE].deviation.value)
+        assert left[name].depth_um == pytest.approx(most, abs=1e-9)
+        assert not left[name].fails
+        assert left[name].told in nc.headline
+    (theirs,) = (f for f in cl.findings if f.kind == "root_stock")
+    assert max(f.depth_um for f in left.values()) == pytest.approx(theirs.depth_um, rel=0.2)  # other rows of samples
+
+
 def test_surfaces_that_are_not_judged_have_no_tolerance_and_no_say(flank, by_gcode):
     """The root's surfaces keep their stock; only the convex flank decides."""
     scene = gcode_scene(flank[0], metrology=GRID | {"judged": ["convex"]})
     result = run(check_scene(scene, "own"), folder=by_gcode[1])
     assert result.verdict == "pass"
+    assert result.headline.endswith("not judged: concave, concave fillet, bottom, convex fillet")
     assert [n for n, s in result.job.part.surfaces.items() if s.tolerance is not None] == ["convex"]
     assert ("concave", "program", DENSE) in result.measurements
 

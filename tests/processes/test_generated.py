@@ -153,6 +153,16 @@ def test_a_scene_that_judges_no_motion_is_unchecked_and_says_so(name, tmp_path, 
     assert "**UNCHECKED**: nothing was judged" in (tmp_path / "out" / "report.md").read_text()
 
 
+@pytest.mark.parametrize(("judged", "rest"), [("theory", "cl, tcp, linear"), ("theory,cl,tcp,linear", "")])
+def test_motions_that_are_not_judged_are_named_in_the_verdict(judged, rest):
+    scene, folder = load_scene("apt-envelope", SMALL)
+    names = tuple(judged.split(","))
+    chosen = scene.metrology.model_copy(update={"judged": names})
+    result = run(scene.model_copy(update={"metrology": chosen}), folder=folder)
+    assert ("not judged: " in result.headline) == bool(rest)
+    assert f"not judged: {rest}" in result.headline or not rest
+
+
 def test_judged_may_be_left_out_and_is_unchecked_too():
     scene, folder = load_scene("flat-end-envelope", SMALL)
     tables = scene.model_dump(exclude_none=True)

@@ -1,0 +1,73 @@
+"""What is told of samples: depths measured, and depths that are no more than the measuring window's."""
+
+from math import inf
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from gearsim.metrology.deviation import Crossing, Deviation
+from gearsim.metrology.findings import cross_cut, root_findings, stock_left
+from gearsim.metrology.samples import SampleGrid
+from gearsim.surfaces.part import Tolerance
+
+UNCUT, MEASURED, THROUGH = (int(c) for c in (Crossing.UNCUT, Crossing.MEASURED, Crossing.THROUGH))
+OVERCUT_ALONE = Tolerance(5.0, inf)
+
+
+def row(name="bottom", window=2.0):
+    """Three samples of a surface, points 1 mm apart, measured as far as the window [mm]."""
+    points, none, far = np.array([[[float(k), 0.0, 0.0] for k in range(3)]]), np.zeros((1, 3)), np.full((1, 3), window)
+    patch = SimpleNamespace(name=name, blank=None)
+    return SampleGrid(patch, np.arange(3.0), np.zeros(1), none, none, points, points, far, far)
+
+
+def deviation(mm, crossing=(MEASURED,) * 3):
+    value = np.where(np.array([crossing]) == MEASURED, np.array([mm], dtype=float), np.nan)
+    return Deviation(value, np.array([crossing]), np.full((1, 3), -1), np.zeros((1, 3), dtype=bool))
+
+
+def test_the_most_material_left_is_told_where_only_overcut_is_limited():
+    (found,) = stock_left(row(), deviation((0.1, 0.4528, -0.2)), OVERCUT_ALONE)
+    assert (found.kind, found.fails, found.place_mm) == ("stock_left", False, (1.0, 0.0, 0.0))
+    assert found.told == "stock is left on the bottom land, which no tolerance limits (+452.8 um)"
+
+
+@pytest.mark.parametrize(
+    ("mm", "crossing", "tolerance"),
+    [
+        ((0.0, -0.1, 0.0), (MEASURED,) * 3, OVERCUT_ALONE),  # nothing is left
+        ((1e-6, 0.0, 0.0), (MEASURED,) * 3, OVERCUT_ALONE),  # a nanometre
+        ((0.1, 0.1, 0.1), (MEASURED,) * 3, Tolerance.both(5.0)),  # judged
+        ((0.1, 0.1, 0.1), (MEASURED,) * 3, None),  # not judged
+        ((0.0, 0.0, 0.0), (UNCUT,) * 3, OVERCUT_ALONE),  # told as uncut
+    ],
+)
+def test_no_stock_is_told_where_there_is_none_or_a_tolerance_speaks(mm, crossing, tolerance):
+    assert list(stock_left(row(), deviation(mm, crossing), tolerance)) == []
+
+
+@pytest.mark.parametrize(
+    ("crossing", "beyond"), [((MEASURED,) * 3, ""), ((MEASURED, UNCUT, MEASURED), " beyond the measuring window")]
+)
+def test_stock_that_fills_the_window_is_told_as_a_bound(crossing, beyond):
+    (found,) = root_findings([(row(), deviation((0.1, 0.5, 0.3), crossing))], [OVERCUT_ALONE])
+    depth = 2000.0 if beyond else 500.0
+    assert found.text == f"stock is left on the bottom land{beyond}; it takes a pass of its own"
+    assert found.depth_um == pytest.approx(depth)
+    assert not found.fails
+
+
+@pytest.mark.parametrize(
+    ("crossing", "beyond"), [((MEASURED,) * 3, ""), ((MEASURED, THROUGH, MEASURED), " beyond the measuring window")]
+)
+def test_a_cut_through_the_window_is_told_as_a_bound(crossing, beyond):
+    cut = deviation((0.0, -0.5, 0.0), crossing)
+    depth = -2000.0 if beyond else -500.0
+    (root,) = root_findings([(row(), cut)], [OVERCUT_ALONE])
+    (other,) = cross_cut(row("convex"), cut, OVERCUT_ALONE)
+    assert root.text == f"the bottom land is overcut{beyond}"
+    assert other.text == f"another pass cuts the convex surface beyond its intended form{beyond}"
+    assert [root.depth_um, other.depth_um] == pytest.approx([depth, depth])
+    assert root.fails
+    assert other.fails
