@@ -98,10 +98,10 @@ def root_findings(
 
 
 def stock_left(grid: SampleGrid, deviation: Deviation, tolerance: Tolerance | None) -> Iterator[Finding]:
-    """The most material measured where a tolerance limits the overcut alone: it fails nothing and is known."""
+    """The most material measured where overcut alone is limited, beyond that limit: it fails nothing and is known."""
     um = 1e3 * np.where(deviation.measured, deviation.value, 0.0).ravel()
     i = int(np.argmax(um))
-    if tolerance is not None and tolerance.excess_um == inf and um[i] > 1e3 * _SEEN_MM:
+    if tolerance is not None and tolerance.excess_um == inf and um[i] > tolerance.overcut_um:
         text = f"stock is left on the {_where(grid)}, which no tolerance limits"
         yield _finding("stock_left", grid, i, float(um[i]), tolerance, text)
 

@@ -2,13 +2,13 @@
 
 Surfaces that are the envelope of their own motion deviate from it by nothing, whatever the settings. Whether they are
 the part's is judged by what the part demands: the bottom land at the root cone all along the face, flanks that meet it,
-and at the mean cone distance, on the pitch cone, the spiral angle and the tooth's thickness where these are demanded.
+and at the mean cone distance, on the pitch cone, spiral angle, hand and the tooth's thickness where these are demanded.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import pairwise
 from math import degrees, inf
@@ -39,6 +39,7 @@ class ToothFigure:
     """One figure of a tooth: its least and greatest value along the face, in ``unit``, and what is ``wanted``.
 
     ``place`` [mm] is where it is farthest off; ``tolerance`` in the unit of the value, inf where nothing is wanted.
+    ``hand``: that of a spiral angle, beside the ``wanted_hand``; empty: it has none, none is wanted.
     """
 
     name: str
@@ -49,6 +50,8 @@ class ToothFigure:
     wanted: float | None
     tolerance: float
     place: NDArray
+    hand: str = ""
+    wanted_hand: str = ""
 
     @property
     def worst(self) -> float:
@@ -57,18 +60,22 @@ class ToothFigure:
 
     @property
     def fails(self) -> bool:
-        return self.wanted is not None and not abs(self.worst - self.wanted) <= self.tolerance
+        off = self.wanted is not None and not abs(self.worst - self.wanted) <= self.tolerance
+        return off or self.wanted_hand not in ("", self.hand)
 
     @property
     def measured(self) -> str:
         """The value in words."""
         least, most = (f"{round(value, _PLACES):.4g}" for value in (self.least, self.most))
-        return f"{least if least == most else f'{least} to {most}'} {self.unit}"
+        value = f"{least if least == most else f'{least} to {most}'} {self.unit}"
+        return f"{value}, {self.hand} hand" if self.hand else value
 
     @property
     def demanded(self) -> str:
         """What is wanted in words."""
-        return "none demanded" if self.wanted is None else f"{self.wanted:g} ± {self.tolerance:g} demanded"
+        wanted = [] if self.wanted is None else [f"{self.wanted:g} ± {self.tolerance:g}"]
+        wanted += [f"{self.wanted_hand} hand"] if self.wanted_hand else []
+        return f"{', '.join(wanted) or 'none'} demanded"
 
     @property
     def depth_um(self) -> float | None:
@@ -156,21 +163,33 @@ class _Figures:
     def _at_mean(self) -> Iterator[ToothFigure]:
         """Spiral angle [deg], both flanks' mean, and thickness [mm] around the axis, on the pitch cone at mean."""
         blank, at = self.tooth.blank, (np.array([self.tooth.blank.mean]), np.zeros(1))
-        flanks = (self.tooth.flank(side) for side in SIDES)
-        concave, convex = (flank.jet(*flank.meet(*at)) for flank in flanks)
+        concave, convex = (flank.jet(*flank.meet(*at)) for flank in self._flanks)
         place, demand = 0.5 * (concave.r[0] + convex.r[0]), self.demand
         spiral = degrees(abs(np.mean([spiral_angle(blank, jet)[0] for jet in (concave, convex)])))
         slot, pitch = (float(x[0]) for x in slot_and_pitch(blank, concave, convex))
-        yield _one("spiral angle at mean", "deg", spiral, demand.spiral, demand.spiral_tolerance, place)
+        angle = _one("spiral angle at mean", "deg", spiral, demand.spiral, demand.spiral_tolerance, place)
+        yield replace(angle, hand=self._hand(), wanted_hand=demand.hand or "")
         tolerance = 1e-3 * demand.thickness_um
         yield _one("tooth thickness at mean", "mm", pitch - slot, demand.thickness, tolerance, place)
 
+    def _hand(self) -> str:
+        """Right where the outer half turns clockwise, seen from the apex: also of Zerol teeth, whose angle is 0."""
+        blank, turn = self.tooth.blank, 0.0
+        for flank in self._flanks:
+            x, y, _ = flank.jet(*flank.meet(np.array([blank.mean, blank.cone_distance]), np.zeros(2))).r.T
+            inner, outer = x + 1j * y
+            turn += float(np.angle(outer / inner))
+        return "right" if turn > 0.0 else "left" if turn < 0.0 else ""
+
     def _land(self) -> ToothFigure:
         """Width [mm] of the tooth's tip around the axis; more than nothing, or the scene is refused."""
-        flanks = [self.tooth.flank(side) for side in SIDES]
-        tips = [flank.jet(*flank.locate(self._length, np.ones(_ALONG))) for flank in flanks]
+        tips = [flank.jet(*flank.locate(self._length, np.ones(_ALONG))) for flank in self._flanks]
         slot, pitch = slot_and_pitch(self.tooth.blank, tips[0], tips[1])
         return self._along("top land", "convex", "mm", pitch - slot, tips[1].r, None, inf)
+
+    @cached_property
+    def _flanks(self) -> list[GeneratedPatch]:
+        return [self.tooth.flank(side) for side in SIDES]
 
     @cached_property
     def _length(self) -> NDArray:

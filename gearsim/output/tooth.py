@@ -19,6 +19,7 @@ def figures(m: ToothMeasurement) -> dict[str, Any]:
             f"most_{f.unit}": f.most,
             f"demanded_{f.unit}": f.wanted,
             f"tolerance_{f.unit}": None if f.wanted is None else f.tolerance,
+            **({"hand": f.hand, "demanded_hand": f.wanted_hand or None} if f.hand else {}),
         }
     return out
 

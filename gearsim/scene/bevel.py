@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from math import radians
-from typing import Annotated
+from typing import Annotated, Literal
 
 from pydantic import Field
 
@@ -85,19 +85,20 @@ class ToothTable(Table):
     """Table [metrology.tooth]: what the part demands of the tooth that its settings generate, with tolerances.
 
     ``depth_tolerance_um``: of the bottom land off the root cone, all along the face; ``join_tolerance_um``: of gaps
-    between flank, fillet and bottom land. At the mean cone distance, on the pitch cone: ``spiral_angle_deg``, and
-    ``thickness_mm`` of the tooth around the gear axis; without them nothing is demanded there.
+    between flank, fillet and bottom land. At the mean cone distance, on the pitch cone: ``spiral_angle_deg``, ``hand``
+    of spiral, and ``thickness_mm`` of the tooth around the gear axis; without them nothing is demanded there.
     """
 
     depth_tolerance_um: Length = 200.0
     join_tolerance_um: Length = 1.0
     spiral_angle_deg: float | None = Field(default=None, ge=0.0, lt=90.0, allow_inf_nan=False)
     spiral_angle_tolerance_deg: float = Field(default=0.5, gt=0.0, lt=90.0, allow_inf_nan=False)
+    hand: Literal["left", "right"] | None = None
     thickness_mm: Length | None = None
     thickness_tolerance_um: Length = 50.0
 
     def build(self) -> ToothDemand:
         return ToothDemand(
             self.depth_tolerance_um, self.join_tolerance_um, self.spiral_angle_deg, self.spiral_angle_tolerance_deg,
-            self.thickness_mm, self.thickness_tolerance_um,
+            self.thickness_mm, self.thickness_tolerance_um, self.hand,
         )  # fmt: skip

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Literal
 
 
 @dataclass(frozen=True)
@@ -10,7 +11,8 @@ class ToothDemand:
     """Demands with their tolerances, either sign; None: nothing is demanded.
 
     ``depth_um``: of the bottom land off the root cone; ``join_um``: of gaps between neighbouring surfaces. At the mean
-    cone distance, on the pitch cone: ``spiral`` angle [deg], and ``thickness`` [mm] of the tooth around the gear axis.
+    cone distance, on the pitch cone: ``spiral`` angle [deg], its ``hand``, and ``thickness`` [mm] of the tooth around
+    the gear axis.
     """
 
     depth_um: float
@@ -19,3 +21,4 @@ class ToothDemand:
     spiral_tolerance: float
     thickness: float | None
     thickness_um: float
+    hand: Literal["left", "right"] | None = None

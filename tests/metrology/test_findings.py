@@ -37,7 +37,7 @@ def test_the_most_material_left_is_told_where_only_overcut_is_limited():
     ("mm", "crossing", "tolerance"),
     [
         ((0.0, -0.1, 0.0), (MEASURED,) * 3, OVERCUT_ALONE),  # nothing is left
-        ((1e-6, 0.0, 0.0), (MEASURED,) * 3, OVERCUT_ALONE),  # a nanometre
+        ((5e-3, 0.0, 0.0), (MEASURED,) * 3, OVERCUT_ALONE),  # no more than may be cut too deep
         ((0.1, 0.1, 0.1), (MEASURED,) * 3, Tolerance.both(5.0)),  # judged
         ((0.1, 0.1, 0.1), (MEASURED,) * 3, None),  # not judged
         ((0.0, 0.0, 0.0), (UNCUT,) * 3, OVERCUT_ALONE),  # told as uncut

@@ -81,17 +81,54 @@ def on_pitch_cone(flank):
 
 
 def test_spiral_angle_and_thickness_are_those_of_the_flanks_crossings_with_the_pitch_cone(case):
+    """Seen from the apex x runs to the right and y down: clockwise is a growing angle, and a right hand if outwards."""
     tooth, figures, _ = case
-    blank, angles, middle = tooth.blank, [], []
+    blank, angles, middle, hands = tooth.blank, [], [], set()
     for side in ("concave", "convex"):
         theta, cone = on_pitch_cone(tooth.flank(side))
         slope = np.polyfit(cone - blank.mean, theta, 4)[-2]
         angles.append(np.degrees(np.arctan(abs(slope) * blank.mean * np.sin(blank.pitch))))
         middle.append(np.interp(blank.mean, cone, theta))
+        hands.add("right" if slope > 0.0 else "left")
     radius = blank.mean * np.sin(blank.pitch)
     slot = radius * abs(np.angle(np.exp(1j * (middle[1] - middle[0]))))
     assert figures["spiral"].most == pytest.approx(np.mean(angles), abs=1e-3)
+    assert {figures["spiral"].hand} == hands
     assert figures["tooth"].most == pytest.approx(2.0 * np.pi * radius / blank.teeth - slot, abs=1e-4)
+
+
+@pytest.mark.parametrize(("cradle", "hand"), [(-56.78, "left"), (56.78, "right")])
+def test_a_tooth_of_the_other_hand_is_not_the_part_s(cradle, hand):
+    """The mirrored cradle angle leaves the mirrored tooth: every figure but its hand is the same."""
+    for demanded in ("left", "right"):
+        settings = (f"generator.cradle_angle_deg={cradle}", f'metrology.tooth.hand="{demanded}"')
+        _, figures, reading = looked(GEAR, *settings)
+        assert figures["spiral"].hand == hand
+        assert figures["spiral"].most == pytest.approx(31.77, abs=5e-3)
+        assert [f.fails for f in reading.findings] == [True] * (demanded != hand)
+        assert all(f"31.77 deg, {hand} hand, 32 ± 0.5, {demanded} hand demanded" in f.text for f in reading.findings)
+
+
+def test_a_hand_may_be_left_open_or_demanded_alone():
+    table = scene_table(load_scene(GEAR)[0])
+    tooth = table["metrology"]["tooth"]
+    for keys, text in (({}, "none demanded"), ({"hand": "left"}, "left hand demanded")):
+        table["metrology"]["tooth"] = {"depth_tolerance_um": tooth["depth_tolerance_um"]} | keys
+        job = plan(check_scene(table, "s"))
+        (asked,) = (i for i in job.inspections if isinstance(i, ToothInspection))
+        steps = asked.steps(job)
+        next(steps)
+        with pytest.raises(StopIteration) as stop:
+            steps.send([])
+        assert f"spiral angle at mean 31.77 deg, left hand ({text})" in stop.value.value.remarks[0]
+
+
+@pytest.mark.parametrize(("cradle", "hand"), [(-42.655881, "left"), (42.655881, "right")])
+def test_a_zerol_tooth_s_hand_is_that_of_its_outer_half(cradle, hand):
+    """At mean it runs along the cone's generator (a spiral angle of 0); the head's circle decides."""
+    _, figures, _ = looked(GEAR, "generator.radial_distance_mm=93.713995", f"generator.cradle_angle_deg={cradle}")
+    assert figures["spiral"].most < 1.0
+    assert figures["spiral"].hand == hand
 
 
 def test_the_slots_surfaces_meet(case):
@@ -118,7 +155,7 @@ def test_what_is_wrong_is_named_with_its_number_and_what_is_not_demanded_is_said
     _, _, reading = looked(GEAR)
     assert reading.findings == ()
     assert "bottom land over the root cone 0.8291 to 4.071 um (0 ± 100 demanded)" in reading.remarks[0]
-    assert "spiral angle at mean 31.77 deg (32 ± 0.5 demanded)" in reading.remarks[0]
+    assert "spiral angle at mean 31.77 deg, left hand (32 ± 0.5, left hand demanded)" in reading.remarks[0]
     assert "tooth thickness at mean 3.579 mm (none demanded)" in reading.remarks[0]
 
 
@@ -130,7 +167,7 @@ def test_what_is_wrong_is_named_with_its_number_and_what_is_not_demanded_is_said
         ("generator.sliding_base_mm=1", "bottom land over the root cone 1213 to 1216 um"),
         ("generator.sliding_base_mm=-1", "bottom land over the root cone -"),
         ("generator.machine_centre_to_back_mm=2", "bottom land over the root cone 1883 to 1886 um"),
-        ("generator.blank_offset_mm=2", "spiral angle at mean 32.96 deg, 32 ± 0.5 demanded"),
+        ("generator.blank_offset_mm=2", "spiral angle at mean 32.96 deg, left hand, 32 ± 0.5, left hand demanded"),
         ("generator.blank_offset_mm=-2", "spiral angle at mean"),
         ("cutter.point_width_mm=2.3", ""),
         ("metrology.tooth.thickness_mm=3.7", "tooth thickness at mean 3.579 mm, 3.7 ± 0.05 demanded (-120."),

@@ -27,8 +27,8 @@ def at_spiral_angle(degrees, hand="left"):
     ids=["zerol", "20 deg, right hand", "10 deg, sharp blades"],
 )
 def test_low_spiral_angles_are_cut_as_the_closed_form_says(degrees, hand, head):
-    demand = f"metrology.tooth.spiral_angle_deg={degrees}"
-    result = run("spiral-bevel-face-milled", overrides=(*SMALL, *at_spiral_angle(degrees, hand), *head, demand))
+    demand = f"metrology.tooth.spiral_angle_deg={degrees}", f'metrology.tooth.hand="{hand}"'
+    result = run("spiral-bevel-face-milled", overrides=(*SMALL, *at_spiral_angle(degrees, hand), *head, *demand))
     assert (result.verdict, result.findings) == ("pass", ())
     found = grids(list(result.measurements.values()))
     assert set(found) == {(surface, "roll") for surface in result.job.part.surfaces}
