@@ -9,6 +9,7 @@ from typing import Any
 
 from gearsim import __version__
 
+_FORMATS = ("svg", "pdf")  # of charts, beside PNG
 _EXIT_CODES = """exit codes:
   0  ran, within the scene's tolerances
   1  ran, out of tolerance (the findings say where)
@@ -67,7 +68,7 @@ def _add_run(commands: Any) -> None:
     run.add_argument("--no-pictures", action="store_true", help="write data and report alone")
     run.add_argument("--only", type=_names, default=(), metavar="NAMES",
                      help="write these files alone, names or patterns: report.json,'deviation*'")  # fmt: skip
-    run.add_argument("--figures", type=_names, default=(), metavar="FORMATS",
+    run.add_argument("--figures", type=_formats, default=(), metavar="FORMATS",
                      help="draw charts as svg, pdf or svg,pdf beside PNG, for papers")  # fmt: skip
     run.add_argument("--dry-run", action="store_true", help="say what would be cut, how large, how long; cut nothing")
 
@@ -178,6 +179,14 @@ def _names(text: str) -> tuple[str, ...]:
     names = tuple(name.strip() for name in text.split(","))
     if not all(names):
         raise argparse.ArgumentTypeError(f"expected names with commas between them, got {text!r}")
+    return names
+
+
+def _formats(text: str) -> tuple[str, ...]:
+    names = _names(text)
+    for name in names:
+        if name not in _FORMATS:
+            raise argparse.ArgumentTypeError(f"expected {' or '.join(_FORMATS)}, with commas between, got {name!r}")
     return names
 
 

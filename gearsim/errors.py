@@ -20,13 +20,13 @@ class InputError(GearsimError):
 
 
 def read_input(file: Path, what: str) -> str:
-    """The text of an input file, its lines parted by line feeds; ``what`` it should be.
+    """The text of an input file, its lines parted by line feeds, without a byte-order mark; ``what`` it should be.
 
     Raises InputError where it cannot be read.
     """
     data = read_input_bytes(file, what)
     try:
-        return data.decode("utf-8").replace("\r\n", "\n").replace("\r", "\n")
+        return data.decode("utf-8-sig").replace("\r\n", "\n").replace("\r", "\n")
     except UnicodeDecodeError as error:
         raise InputError(f"cannot read {what} {file}: it is not UTF-8 text (byte {error.start})") from error
 
@@ -35,6 +35,14 @@ def is_file(path: Path) -> bool:
     """Whether there is such a file; no name, however odd, raises."""
     try:
         return path.is_file()
+    except (OSError, ValueError):
+        return False
+
+
+def is_folder(path: Path) -> bool:
+    """Whether there is such a folder; no name, however odd, raises."""
+    try:
+        return path.is_dir()
     except (OSError, ValueError):
         return False
 

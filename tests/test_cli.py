@@ -257,3 +257,11 @@ def test_public_names_are_there():
     assert "spiral-bevel-flank" in gearsim.scene_names()
     with pytest.raises(AttributeError, match="no attribute 'nosuch'"):
         _ = gearsim.nosuch
+
+
+@pytest.mark.parametrize("formats", ["jpg", "svg,png", "SVG"])
+def test_charts_are_drawn_in_formats_of_papers_alone(formats, capsys):
+    with pytest.raises(SystemExit) as stop:
+        run("run", "spiral-bevel-flank", "--figures", formats)
+    assert stop.value.code == 2
+    assert "argument --figures: expected svg or pdf, with commas between, got" in capsys.readouterr().err

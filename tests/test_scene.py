@@ -109,7 +109,7 @@ def test_mistakes_in_tables_within_a_table_are_placed():
         ('metrology.profile_offsets_mm=[0.0, "1"]', "metrology.profile_offsets_mm.1: got '1'; expected a number"),
         ("metrology.profile_offsets_mm=1.0", "metrology.profile_offsets_mm: got 1.0; expected a list"),
         ("metrology.convergence=[9, true]", "metrology.convergence.1: got True; expected a whole number"),
-        ("program.machine.pivot_mm=[0.0, 0.0]", "program.machine.pivot_mm.2: missing"),
+        ("program.machine.pivot_mm=[0.0, 0.0]", "program.machine.pivot_mm: got [0.0, 0.0]; expected 3 or more entries"),
         ("program.machine.pivot_mm=[0.0, 0.0, 0.0, 0.0]", "expected no more than 3 entries"),
         ("program.machine=7", "program.machine: got 7; expected a table"),
         ("reference.convex_um=[1.0]", "reference.convex_um has 1 entries, metrology.profile_offsets_mm 7"),
@@ -202,7 +202,7 @@ def test_unknown_scenes_and_broken_files(tmp_path):
         load_scene("nosuch")
     with pytest.raises(InputError, match=r"cannot read scene .*missing.toml': there is no such file"):
         load_scene(tmp_path / "missing.toml")
-    for odd in ("", ".", "a\0b", "a" * 5000, str(tmp_path)):
+    for odd in ("", "a\0b", "a" * 5000):
         with pytest.raises(InputError, match="no scene named"):
             load_scene(odd)
     broken = tmp_path / "broken.toml"
@@ -233,3 +233,100 @@ def test_apt_cutters_and_defaults(tables):
     tables["cutter"]["q_mm"] = 1.0
     with pytest.raises(InputError, match="unknown key"):
         check_scene(tables, "x")
+
+
+@pytest.mark.parametrize(
+    ("key", "said"),
+    [
+        ("teth", "surface.teth: unknown key; did you mean 'teeth'?"),
+        ("module", "surface.module: unknown key; did you mean 'module_mm'?"),
+        ("density", "surface.density: unknown key; known: teeth, face_width_mm, "),
+    ],
+)
+def test_keys_that_resemble_none_are_answered_by_those_there_are(tables, key, said):
+    tables["surface"][key] = 1
+    with pytest.raises(InputError) as error:
+        check_scene(tables, "s")
+    assert said in str(error.value)
+
+
+@pytest.mark.parametrize(
+    ("tables_of_it", "told"),
+    [
+        ({"toolpath": {"file": "own.txt"}, "machine": {"kind": "phoenix"}}, True),
+        ({"toolpath": {"file": "own.txt", "mounting": {"z_axis": [0.0, 0.0, -1.0]}}}, True),
+        ({"toolpath": {"file": "own.cl"}, "nothing": 1}, False),
+    ],
+)
+def test_a_file_read_as_cl_data_beside_tables_for_g_code_is_told(tables, tables_of_it, told):
+    with pytest.raises(InputError) as error:
+        check_scene(tables | tables_of_it, "s")
+    said = "toolpath.file: 'own.txt' is read as CL data by its ending; G-code ends in .cnc, "
+    assert (said in str(error.value)) == told
+
+
+def test_a_mistake_of_the_whole_scene_begins_with_its_key(tables):
+    tables |= {"toolpath": {"file": "own.nc"}, "metrology": {"tolerance_um": 5.0, "rows": 5, "columns": 9}}
+    del tables["program"], tables["reference"]
+    with pytest.raises(InputError) as error:
+        check_scene(tables, "s")
+    assert "\n  - machine: missing" in str(error.value)
+
+
+@pytest.mark.parametrize(
+    ("override", "said"),
+    [
+        ("machine.pivot_mm=[0.0, -90.0]", "machine.pivot_mm: got [0.0, -90.0]; expected 3 or more entries"),
+        ("metrology.spaces=16", "metrology.spaces: got 16; the gear has 15 (0 probes them all)"),
+        ('program.file=""', "program.file: got ''; string should have at least 1 character"),
+        ("toolpath.slots.tool=3", "toolpath.slots.tool: no tool 3 (1 where none is named); tools has 1"),
+        ("toolpath.finishing.tool=2", "toolpath.finishing.tool: no tool 2 (1 where none is named); tools has 1"),
+    ],
+)
+def test_mistakes_of_a_gear_name_their_key_once(override, said):
+    with pytest.raises(InputError) as error:
+        load_scene("spur-external", [override])
+    assert str(error.value).count("\n  - ") == 1
+    assert said in str(error.value)
+    load_scene("spur-external", ["metrology.spaces=15"])
+
+
+@pytest.mark.parametrize(
+    ("tools", "said"),
+    [
+        ([], "tools: got []; expected 1 or more entries"),
+        ([{"flutes": 2, "flute_length_mm": 9.0}], "diameter_mm: missing"),
+    ],
+)
+def test_a_list_is_too_short_only_where_no_entry_of_it_is_wrong(tools, said):
+    with pytest.raises(InputError) as error:
+        check_scene(tomllib.loads(scene_text("spur-external")[0]) | {"tools": tools}, "s")
+    assert str(error.value).startswith("scene s: 1 mistake:\n  - tools")
+    assert said in str(error.value)
+
+
+def test_a_gear_s_rays_have_room_for_a_cut_in_each_space():
+    tables = tomllib.loads(scene_text("spur-internal")[0])
+    del tables["simulation"]["interval_slots"]
+    assert check_scene(tables, "s").simulation.interval_slots == 64
+    del tables["simulation"]
+    assert check_scene(tables, "s").simulation.interval_slots == 64
+
+
+def test_a_scene_with_a_byte_order_mark_is_read(tmp_path):
+    file = tmp_path / "mine.toml"
+    file.write_text("\ufeff" + scene_text("spiral-bevel-flank")[0], encoding="utf-8")
+    assert load_scene(file)[0] == load_scene("spiral-bevel-flank")[0]
+
+
+def test_a_folder_and_a_line_that_is_no_toml_are_named(tmp_path):
+    for folder in (".", str(tmp_path)):
+        with pytest.raises(InputError, match=rf"cannot read scene {re.escape(folder)}: Is a directory"):
+            load_scene(folder)
+    file = tmp_path / "mine.toml"
+    file.write_text("[surface]\n  module_mm = 4,2  # outer\n")
+    with pytest.raises(InputError, match=r"\(at line 2, column 16\): 'module_mm = 4,2  # outer'$"):
+        load_scene(file)
+    file.write_text("[surface")
+    with pytest.raises(InputError, match="not valid TOML"):
+        load_scene(file)

@@ -10,6 +10,8 @@ import numpy as np
 from gearsim.metrology.deviation import Deviation
 from gearsim.metrology.study import Change
 
+_ROUNDING_UM = 1e-6  # what the removal road finds a cut's end to
+
 
 @dataclass(frozen=True)
 class Series:
@@ -42,8 +44,9 @@ class Convergence:
 
     @property
     def orders(self) -> list[float]:
-        """Observed order between consecutive N, by the ratio of the spacings (N - 1)."""
+        """Observed order between consecutive N, by the ratio of the spacings (N - 1); nan for changes of rounding."""
         n, w = np.array(self.points) - 1.0, np.array(self.worst_um)
+        w = np.where(w > _ROUNDING_UM, w, np.nan)
         with np.errstate(divide="ignore", invalid="ignore"):
             return [float(q) for q in np.log(w[:-1] / w[1:]) / np.log(n[1:] / n[:-1])]
 

@@ -78,7 +78,11 @@ class SpaceInspection:
         worst = inside[np.argmax(left[inside])] if len(inside) else 0
         if not len(inside) or left[worst] < _DEEPER_MM:
             return []
-        place = (float(x[worst]), float(y[worst]), float(bundle.rays.origin[worst, 2]))
+        mine = np.flatnonzero(bundle.left.ray == worst)
+        longest = mine[np.argmax(bundle.left.hi[mine] - bundle.left.lo[mine])]
+        along = 0.5 * (bundle.left.lo[longest] + bundle.left.hi[longest])
+        px, py, pz = bundle.rays.origin[worst] + along * bundle.rays.direction[worst]
+        place = (float(px), float(py), float(pz))
         text = f"material stands in space 1, up to {left[worst]:.3f} mm along the axis"
         return [Finding("left_in_space", "space", None, place, None, None, True, text)]
 

@@ -15,11 +15,12 @@ from gearsim.result import Result
 
 def figures(m: ConvergenceMeasurement) -> dict[str, Any]:
     orders = m.convergence.orders
+    seen = [q for q in orders if np.isfinite(q)]
     return {
         "points": list(m.convergence.points),
         "worst_um": list(m.convergence.worst_um),
         "orders": [number(q) for q in orders],
-        "order": number(float(np.median(orders))) if orders else None,
+        "order": number(float(np.median(seen))) if seen else None,
     }
 
 

@@ -37,7 +37,7 @@ def sections(_: Result, found: Sequence[ProfileMeasurement]) -> dict[str, str]:
         rows.append([f"{m.surface}, ours, surface normal", *map(um, m.normal_um.values())])
         rows.append([f"{m.surface}, ours, normal in the profile plane", *map(um, m.in_plane_um.values())])
     head = ["Deviation at the mean profile [µm]", *found[0].normal_um]
-    text = f"Under {found[0].variant}; L0 lies on the contact path, where the planned cutter touches the tooth."
+    text = f"Under {found[0].variant}; L0 lies at mid working depth, where passes planned here touch the tooth."
     printed = found[0].published
     if printed is None:
         return {"details": f"## Mean profile\n\n{text}\n\n" + table(head, rows)}

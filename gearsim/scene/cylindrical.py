@@ -9,13 +9,14 @@ from typing import Annotated, Literal
 from pydantic import Field, model_validator
 
 from gearsim.cutters.profile import Profile
+from gearsim.errors import InputError
 from gearsim.machines.chain import Machine
 from gearsim.programs.gcode import ReadSettings
 from gearsim.scene.bevel import Number
 from gearsim.scene.catalogue import AnyMachine
 from gearsim.scene.cylindrical_paths import EndMillTable, GearPathTable
 from gearsim.scene.program import ControlTable, PostTable
-from gearsim.scene.tables import Angle, Count, GridTable, Length, LengthOrZero, Scene, Table
+from gearsim.scene.tables import Angle, Count, GridTable, Length, LengthOrZero, Scene, SimulationTable, Table
 from gearsim.surfaces.cylindrical_gear import CylindricalGear
 from gearsim.surfaces.flank_modification import FlankModification, Relief
 from gearsim.toolpaths.cylindrical.settings import Finishing, Settings
@@ -113,7 +114,7 @@ class GearProgramTable(PostTable):
     """
 
     tip_control: bool = False
-    file: str = ""
+    file: str | None = Field(default=None, min_length=1)
     dialect: Literal["fanuc", "linuxcnc"] = "fanuc"
 
 
@@ -153,6 +154,12 @@ class GearMetrologyTable(GridTable):
     columns: Count = 41
     margin: float = Field(default=0.01, gt=0.0, lt=0.5)
     section_pitch_mm: Length = 0.05
+
+
+class GearSimulationTable(SimulationTable):
+    """Table [simulation]: rays through a gear that is cut space by space are cut into many pieces."""
+
+    interval_slots: int = Field(default=64, ge=1, le=256)
 
 
 class MeasuredTable(Table):
@@ -196,6 +203,7 @@ class CylindricalGearScene(Scene):
     errors: ErrorsTable = ErrorsTable()
     budget: BudgetTable | None = None
     metrology: GearMetrologyTable = GearMetrologyTable()
+    simulation: GearSimulationTable = GearSimulationTable()
     reference: MeasuredTables | None = None
 
     @model_validator(mode="after")
@@ -212,13 +220,19 @@ class CylindricalGearScene(Scene):
         control = self.control or ControlTable()
         return control.settings(self.program.work_offset, [t.number for t in self.tools], self.controller())
 
+    def probed(self) -> None:
+        """Raises InputError where more spaces are to be probed than there are."""
+        spaces, there = self.metrology.spaces, self.gear().count
+        if spaces > there:
+            raise InputError(f"metrology.spaces: got {spaces}; the gear has {there} (0 probes them all)")
+
     def controller(self) -> Machine:
         machine: Machine = self.machine.build()
         return machine
 
     def builders(self) -> tuple[Callable[[], object], ...]:
         reading = (self.program.options, self.reading)
-        return (self.gear, self.surface.design, self.controller, *reading, self.paths, self.holders)
+        return (self.gear, self.surface.design, self.controller, *reading, self.paths, self.holders, self.probed)
 
     def holders(self) -> dict[int, Profile]:
         """What stands above the tools, where it is given, by their numbers."""

@@ -58,10 +58,11 @@ class CuttingTable(Table):
     spindle_rpm: Length = 12000.0
     feed_per_tooth_mm: Length = 0.0508
 
-    def cutting(self, tools: dict[int, Tool]) -> Cutting:
-        """The tool and its conditions. Raises InputError for a tool that is not in the table."""
+    def cutting(self, tools: dict[int, Tool], name: str) -> Cutting:
+        """The tool and its conditions; ``name`` is the table's. Raises InputError for a tool that is not among them."""
         if self.tool not in tools:
-            raise InputError(f"toolpath: no tool {self.tool}; tools has {', '.join(map(str, sorted(tools)))}")
+            there = ", ".join(map(str, sorted(tools)))
+            raise InputError(f"toolpath.{name}.tool: no tool {self.tool} (1 where none is named); tools has {there}")
         return Cutting(tools[self.tool], self.spindle_rpm, self.feed_per_tooth_mm)
 
     def build(self, **common: Any) -> Settings:
@@ -173,6 +174,9 @@ class RingTable(LevelsTable):
         return ReferenceRing(self.inner_mm, self.outer_mm, self.depth_mm, **self.steps(), **common)
 
 
+_OPERATIONS = ("facing", "outside", "bore", "ring", "slots", "roughing", "finishing")
+
+
 class GearPathTable(Table):
     """Table [toolpath]: the operations done, in the order in which they stand here."""
 
@@ -191,8 +195,7 @@ class GearPathTable(Table):
         if len(table) < len(tools):
             raise InputError("tools: two tools share a number")
         clear = Clearance(self.clearance.rim_mm, self.clearance.top_mm)
-        before = (self.facing, self.outside, self.bore, self.ring, self.slots, self.roughing)
-        asked = [op for op in (*before, self.finishing) if op is not None]
-        made = [op.build(cutting=op.cutting(table), clearance=clear) for op in asked]
+        asked = [(name, op) for name in _OPERATIONS if (op := getattr(self, name)) is not None]
+        made = [op.build(cutting=op.cutting(table, name), clearance=clear) for name, op in asked]
         assert isinstance(made[-1], Finishing)
         return (*made[:-1], replace(made[-1], modification=design))

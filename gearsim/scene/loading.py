@@ -6,19 +6,20 @@ import tomllib
 from collections.abc import Sequence
 from difflib import get_close_matches
 from importlib.resources import files
-from math import degrees
 from pathlib import Path, PurePath
-from typing import Any, get_args
+from re import search
+from typing import Any
 
 from pydantic import ValidationError
 
-from gearsim.errors import InputError, is_file, read_input
+from gearsim.errors import InputError, is_file, is_folder, read_input
 from gearsim.scene.any_program import AXIS_TABLE, GCODE, ProgramScene
 from gearsim.scene.cylindrical import CylindricalGearScene
 from gearsim.scene.flank_milling import FlankMillingScene
 from gearsim.scene.generated import EnvelopeScene, FaceMillingScene, HypoidScene
+from gearsim.scene.mistakes import explained, short
 from gearsim.scene.sculptured import GougeExampleScene, SculpturedScene
-from gearsim.scene.tables import Scene, Table
+from gearsim.scene.tables import Scene
 
 SCENES: dict[str, type[Scene]] = {
     "ruled-bevel": FlankMillingScene,
@@ -31,19 +32,6 @@ SCENES: dict[str, type[Scene]] = {
     "gouge-example": GougeExampleScene,
 }
 
-_LONGEST = 80  # characters of a value in a message
-_WANTED = {
-    "tuple_type": "expected a list",
-    "model_type": "expected a table",
-    "model_attributes_type": "expected a table",
-    "dict_type": "expected a table",
-    "int_type": "expected a whole number",
-    "float_type": "expected a number",
-    "bool_type": "expected true or false",
-    "string_type": "expected text",
-    "too_short": "expected {min_length} or more entries",
-    "too_long": "expected no more than {max_length} entries",
-}
 _CL_READERS = ("ruled-bevel", "face-milled-flank")
 _PLANNED = {"nurbs": ("contact", "drop")}  # what toolpath.kind names beside "program"; other planners have one kind
 _OF_ONE_MOTION = ("envelope", "gouge-example")  # surfaces that are nothing without their scene's own motion
@@ -68,7 +56,7 @@ def scene_text(name_or_path: str) -> tuple[str, str, Path]:
     path = Path(name_or_path)
     if name_or_path in _built_in():
         return _built_in_text(name_or_path), name_or_path, Path()
-    if is_file(path):
+    if is_file(path) or (name_or_path and is_folder(path)):
         return read_input(path, "scene"), str(path), path.parent
     near = get_close_matches(name_or_path, [*_scene_files(path.parent), *_built_in()], n=1, cutoff=0.4)
     hint = f"; did you mean {near[0]!r}?" if near else "."
@@ -104,10 +92,16 @@ def load_scene(name_or_path: str | Path, overrides: Sequence[str] = ()) -> tuple
     try:
         data = tomllib.loads(text)
     except tomllib.TOMLDecodeError as error:
-        raise InputError(f"scene {label}: not valid TOML: {error}") from error
+        raise InputError(f"scene {label}: not valid TOML: {error}{_line_of(error, text)}") from error
     for override in overrides:
         _override(data, override)
     return check_scene(data, label), folder
+
+
+def _line_of(error: tomllib.TOMLDecodeError, text: str) -> str:
+    """The line that an error names, as it stands in the file."""
+    number, lines = search(r"\(at line (\d+),", str(error)), text.split("\n")
+    return f": {short(lines[int(number[1]) - 1].strip())}" if number else ""
 
 
 def check_scene(data: dict[str, Any], label: str) -> Scene:
@@ -116,7 +110,7 @@ def check_scene(data: dict[str, Any], label: str) -> Scene:
     try:
         scene = model.model_validate(data)
     except ValidationError as error:
-        raise _input_error(label, [_explain(e, data, model) for e in error.errors()]) from None
+        raise _input_error(label, explained(error, data, model) + _read_as_cl(data, model)) from None
     problems = []
     for build in scene.builders():
         try:
@@ -126,6 +120,18 @@ def check_scene(data: dict[str, Any], label: str) -> Scene:
     if problems:
         raise _input_error(label, problems)
     return scene
+
+
+def _read_as_cl(data: dict[str, Any], model: type[Scene]) -> list[str]:
+    """That a file counts as CL data by its ending, where the scene has tables for other programs."""
+    path = data.get("toolpath")
+    if model is not FlankMillingScene or not isinstance(path, dict) or not isinstance(path.get("file"), str):
+        return []
+    others = [name for name in ("machine", "control", "tools") if name in data]
+    if not others and "mounting" not in path:
+        return []
+    endings = f"G-code ends in {', '.join(sorted(GCODE))}, axis values in {AXIS_TABLE}"
+    return [f"toolpath.file: {short(path['file'])} is read as CL data by its ending; {endings}"]
 
 
 def _model(data: dict[str, Any], label: str) -> type[Scene]:
@@ -189,80 +195,6 @@ def _override(data: dict[str, Any], override: str) -> None:
         if not isinstance(table, dict):
             raise InputError(f"--set {override}: {part!r} is a value, not a table")
     table[parts[-1]] = parsed["value"]
-
-
-def _explain(error: Any, data: dict[str, Any], model: type[Scene]) -> str:
-    """One validation error in words: the field, what came, what would be right."""
-    where = _without_tags(error["loc"], data)
-    field = ".".join(str(p) for p in where)
-    kind, got, context = error["type"], error["input"], error.get("ctx", {})
-    if kind == "extra_forbidden":
-        known = list(_table_at(where[:-1], data, model).model_fields)
-        near = get_close_matches(str(where[-1]), known, n=1, cutoff=0.3)
-        return f"{field}: unknown key" + (f"; did you mean {near[0]!r}?" if near else f"; known: {', '.join(known)}")
-    if kind == "missing":
-        return f"{field}: missing"
-    if kind == "union_tag_invalid":
-        return f"{field}.kind: got {context['tag']}; expected {context['expected_tags']}"
-    if kind == "union_tag_not_found":
-        return f"{field}.kind: missing; it says which tool, motion or machine the table describes"
-    if kind == "value_error":
-        return f"{field}: {context['error']}"
-    wanted = _WANTED[kind].format(**context) if kind in _WANTED else f"{error['msg'][0].lower()}{error['msg'][1:]}"
-    return f"{field}: got {_short(got)}; {wanted}" + _unit_hint(field, got)
-
-
-def _short(got: Any) -> str:
-    """A value as a scene's file would have it, cut short."""
-    text = repr(list(got) if isinstance(got, tuple) else got)
-    return text if len(text) <= _LONGEST else f"{text[:_LONGEST]}..."
-
-
-def _without_tags(where: Sequence[Any], data: Any) -> list[Any]:
-    """The place of an error as it stands in the file: the validator names a table's kind as if it were a key."""
-    out: list[Any] = []
-    for part in where:
-        if isinstance(data, dict) and part == data.get("kind") and part not in data:
-            continue
-        out.append(part)
-        if isinstance(data, dict):
-            data = data.get(part)
-        elif isinstance(data, list) and isinstance(part, int) and part < len(data):
-            data = data[part]
-    return out
-
-
-def _table_at(where: Sequence[Any], data: Any, table: type[Table]) -> type[Table]:
-    """The table that a place in a scene must follow."""
-    for part in where:
-        data = data[part]
-        if isinstance(part, str):
-            choices = _tables_in(table.model_fields[part].annotation)
-            kind = data.get("kind") if isinstance(data, dict) else None
-            table = next((c for c in choices if kind in get_args(_kind_of(c))), choices[0])
-    return table
-
-
-def _kind_of(table: type[Table]) -> Any:
-    return table.model_fields["kind"].annotation if "kind" in table.model_fields else None
-
-
-def _tables_in(annotation: Any) -> list[type[Table]]:
-    """The tables a field's annotation allows."""
-    if isinstance(annotation, type) and issubclass(annotation, Table):
-        return [annotation]
-    return [t for a in get_args(annotation) for t in _tables_in(a)]
-
-
-def _unit_hint(field: str, got: Any) -> str:
-    """A remark where a value looks as if it were in another unit."""
-    if not isinstance(got, int | float) or isinstance(got, bool):
-        return ""
-    if field.endswith("_deg") and 0.0 < got < 1.6:
-        return f" (angles are in degrees; {got:g} rad would be {degrees(got):.4g})"
-    if field.endswith("_mm") and got >= 1e5:
-        return f" (lengths are in mm; {got:g} um would be {got / 1e3:g})"
-    return ""
 
 
 def scene_table(scene: Scene) -> dict[str, Any]:

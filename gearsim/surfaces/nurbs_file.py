@@ -156,11 +156,21 @@ def _surface(entry: Any, where: str) -> NurbsSurface:
         raise InputError(f"{where}: 'flip' must be true or false; got {_short(entry['flip'])}")
     if not isinstance(entry.get("name", ""), str):
         raise InputError(f"{where}: 'name' must be text; got {_short(entry['name'])}")
+    for key in ("knots", "points", "weights"):
+        for strange in _strange(entry.get(key, 0)):
+            raise InputError(f"{where}: {key!r} must be numbers in lists; got {_short(strange)}")
     options = {key: entry[key] for key in ("name", "weights", "flip") if key in entry}
     try:
         return NurbsSurface(degree[0], degree[1], knots[0], knots[1], entry["points"], **options)
     except InputError as error:
         raise InputError(f"{where}: {error}") from error
+
+
+def _strange(value: Any, depth: int = 3) -> list[Any]:
+    """The first that is no number in lists nested to a depth: text, truths, null, lists deeper still."""
+    if isinstance(value, list) and depth:
+        return next((found for v in value if (found := _strange(v, depth - 1))), [])
+    return [] if isinstance(value, int | float) and not isinstance(value, bool) else [value]
 
 
 def _check_keys(entry: Any, known: Sequence[str], needed: Sequence[str], where: str) -> None:

@@ -6,6 +6,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
+from gearsim.metrology.convergence import Convergence
 from gearsim.metrology.deviation import Crossing, Deviation
 from gearsim.metrology.findings import cross_cut, root_findings, stock_left
 from gearsim.metrology.samples import SampleGrid
@@ -71,3 +72,16 @@ def test_a_cut_through_the_window_is_told_as_a_bound(crossing, beyond):
     assert [root.depth_um, other.depth_um] == pytest.approx([depth, depth])
     assert root.fails
     assert other.fails
+
+
+@pytest.mark.parametrize(
+    ("worst", "expected"),
+    [
+        ((4.0, 1.0, 0.25), [2.0, 2.0]),
+        ((0.2, 1e-10, 1.2e-10), [np.nan, np.nan]),  # exact from the second on: what differs is rounding
+        ((2.5e-7, 2.5e-7, 2.5e-7), [np.nan, np.nan]),
+        ((0.0, 0.0, 0.0), [np.nan, np.nan]),
+    ],
+)
+def test_changes_of_rounding_have_no_order(worst, expected):
+    assert Convergence((3, 5, 9), worst).orders == pytest.approx(expected, nan_ok=True)

@@ -58,7 +58,7 @@ def test_every_kind_of_tool_table_takes_a_holder(tmp_path):
     [
         ({}, "holder: empty; give shank_diameter_mm with shank_length_mm, sections_mm, or both"),
         ({"shank_diameter_mm": 6.0}, "holder: shank_diameter_mm and shank_length_mm belong together"),
-        ({"sections_mm": [[20.0, 30.0]]}, "holder.sections_mm.0.2: missing"),
+        ({"sections_mm": [[20.0, 30.0]]}, "holder.sections_mm.0: got .20.0, 30.0.; expected 3 or more"),
         ({"length_mm": 6.0}, "holder.length_mm: unknown key; did you mean 'shank_length_mm'"),
     ],
 )
