@@ -14,6 +14,7 @@ from gearsim.gouging.junctions import Join, Junctions, least_at_sides, least_on_
 from gearsim.gouging.khan.sizes import SideBySide, khan_joint, khan_mill
 from gearsim.gouging.looked import FaceLook
 from gearsim.gouging.sizes import Choice, JointChoice, largest_mills, least_difference
+from gearsim.gouging.standard_mills import khan_mills
 from gearsim.gouging.surface import SurfaceContacts
 from gearsim.gouging.tensors import Tensor
 from gearsim.gouging.tool import mill_tool
@@ -88,12 +89,15 @@ def size_map(seen: FaceLook, mills: NDArray) -> Choice:
 
 
 def largest_for_all(contacts: Contacts, mills: NDArray) -> SideBySide | None:
-    """The thesis's mill for the smooth points beside the largest of a catalogue (R, r) that gouges nowhere.
+    """Khan's mill for the smooth points, of his catalogue alone, beside the largest of one that gouges nowhere.
 
-    ``limiting`` and ``least`` of both are by all contacts. None where no mill reaches anything.
+    ``mills``: (R, r), shape (m, 2). ``limiting`` and ``least`` of both are by all contacts. None where no mill reaches
+    anything.
     """
     if not np.isfinite(contacts.least(*mills[-1])).any() and not len(contacts.theta):
         return None
+    if not np.array_equal(mills, khan_mills()):
+        return SideBySide(None, 0, np.nan, _largest(contacts, mills))
     khan = khan_joint(khan_mill(contacts.theta, contacts.part)) if len(contacts.theta) else (np.nan, np.nan)
     f = contacts.least(*khan) if np.isfinite(khan).all() else np.full(1, np.nan)
     return SideBySide(khan, int(np.argmin(f)), float(f.min()), _largest(contacts, mills))

@@ -21,7 +21,7 @@ from gearsim.gouging.attribution import (
 from gearsim.gouging.prediction import Prediction, predict, predict_path
 from gearsim.gouging.rings import RingResult, read_rings, rings
 from gearsim.metrology.deviation import Crossing, Deviation, measure
-from gearsim.metrology.findings import Finding, stock_left
+from gearsim.metrology.findings import Finding
 from gearsim.metrology.grid import DENSE, GridMeasurement
 from gearsim.metrology.inspection import Cut, Reading, Steps
 from gearsim.metrology.roads import LIMIT_UM
@@ -118,8 +118,7 @@ class GougingInspection:
         )
         measured = (self._on_grid(variant, cut), GougingMeasurement(self.surface, self.variant, cut))
         judged = (self.surface,) if self.judged else ()
-        left = stock_left(grid, cut.deviation, job.part.surfaces[self.surface].tolerance) if self.judged else ()
-        return Reading(measured, (*self._findings(cut), *left), tuple(self._doubts(cut)), judged)
+        return Reading(measured, tuple(self._findings(cut)), tuple(self._doubts(cut)), judged)
 
     def _on_grid(self, variant: Variant, cut: ToolCut) -> GridMeasurement:
         nowhere = np.zeros(cut.grid.shape, dtype=bool)

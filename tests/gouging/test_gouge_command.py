@@ -11,6 +11,7 @@ from gearsim.gouging.asked import read_faces, read_mills
 from gearsim.gouging.check import Asked, check_faces
 from gearsim.scene.catalogue import read_cutter
 from gearsim.surfaces.face import Face
+from gearsim.surfaces.nurbs import NurbsSurface
 from gearsim.surfaces.nurbs_file import write_surfaces
 from tests.surfaces.nurbs_shapes import rebuilt, sphere, wavy
 
@@ -122,3 +123,27 @@ def test_the_worst_point_is_the_least_of_all():
     seen = check.looks[0].samples
     assert check.worst.least <= np.min(seen.comparison.least[seen.touches])
     assert check.worst.least == pytest.approx(1.0 / 15.0 - 0.05 * np.sqrt(2.0), abs=1e-12)
+
+
+@pytest.mark.parametrize("catalogue", ["khan", "metric", "own"])
+def test_only_mills_of_the_catalogue_asked_for_are_proposed(catalogue, tmp_path, capsys):
+    """Khan's algorithm chooses from his own mills alone: R = 30 is no metric one. A plane stops no mill."""
+    (tmp_path / "own.txt").write_text("7 7\n5 1\n")
+    write_surfaces([flat()], tmp_path / "plane.json")
+    name = str(tmp_path / "own.txt") if catalogue == "own" else catalogue
+    out = tmp_path / "out"
+    tool = ("--cutter", "ball", "diameter_mm=12", "--catalogue", name, "--grid", "9")
+    assert main(["gouge", str(tmp_path / "plane.json"), *tool, "--out", str(out)]) == 0
+    shown, sizes = capsys.readouterr().out, json.loads((out / "report.json").read_text())["tool_size"]
+    mills = read_mills(name)
+    assert (sizes["optimum"]["shank_mm"], sizes["optimum"]["corner_mm"]) == tuple(mills[0])
+    assert sizes["optimum"]["limited_at_mm"] is None
+    assert "The optimum is the catalogue's largest. " in (out / "report.md").read_text()
+    assert ("Khan's algorithm: R = 30, r = 30 mm; " in shown) == (catalogue == "khan")
+    assert ("thesis" in sizes) == (catalogue == "khan")
+
+
+def flat():
+    """A plane of 20 by 20 mm at z = 0, its material below."""
+    points = [[[x, y, 0.0] for y in (0.0, 20.0)] for x in (0.0, 20.0)]
+    return NurbsSurface(1, 1, [0.0, 0.0, 1.0, 1.0], [0.0, 0.0, 1.0, 1.0], points, name="plane")

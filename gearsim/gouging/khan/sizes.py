@@ -63,10 +63,11 @@ def khan_joint(choice: KhanChoice) -> tuple[float, float]:
 class SideBySide(NamedTuple):
     """One mill for all contacts: Khan's R and r [mm], where and how it is closest to gouging; and the true optimum.
 
-    ``limiting``, ``least``: the contact and its least f [1/mm], below 0 where Khan's mill gouges.
+    ``limiting``, ``least``: the contact and its least f [1/mm], below 0 where Khan's mill gouges. ``khan`` is None
+    beside the optimum of another catalogue: his algorithm chooses from his own.
     """
 
-    khan: tuple[float, float]
+    khan: tuple[float, float] | None
     limiting: int
     least: float
     best: JointChoice

@@ -28,7 +28,7 @@ def figures(m: MillMeasurement) -> dict[str, Any]:
 
 
 def size_figures(sizes: SizeChoice) -> dict[str, Any]:
-    """The mill for the whole surface, by the thesis's algorithm and truly, and how sizes spread."""
+    """The mill for the whole surface, by Khan's algorithm and truly, and how sizes spread."""
     fits = np.isfinite(sizes.shank)
     return {
         "points": int(fits.size),
@@ -44,7 +44,7 @@ def sections(_: Result, found: Sequence[MillMeasurement]) -> dict[str, str]:
 
 
 def size_section(sizes: dict[str, Any]) -> str:
-    """One mill for the whole surface, by the thesis and truly, and how sizes spread."""
+    """One mill for the whole surface, by Khan's algorithm and truly, and how sizes spread."""
     spread = (
         f"At single points R runs from {_mm(sizes['least_shank_mm'])} to {_mm(sizes['greatest_shank_mm'])}; at "
         f"{sizes['no_mill_fits']:,} of {sizes['points']:,} points none fits.\n"

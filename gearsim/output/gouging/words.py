@@ -10,6 +10,8 @@ from gearsim.gouging.khan.sizes import SideBySide
 from gearsim.output.markdown import table
 from gearsim.output.summary import number
 
+_MILLS = {"Khan's algorithm": "thesis", "true optimum": "optimum"}
+
 
 def tool_words(cutter: Profile) -> str:
     """A tool by its kind and sizes."""
@@ -19,33 +21,39 @@ def tool_words(cutter: Profile) -> str:
 
 
 def whole_figures(whole: SideBySide | None, place: Sequence[float]) -> dict[str, Any]:
-    """One mill for everything, by the thesis's algorithm and truly; empty where none reaches anything."""
+    """One mill for everything, by Khan's algorithm (of his catalogue) and truly; empty where none reaches anything.
+
+    ``place`` [mm] limits it; nothing does where it is the catalogue's largest.
+    """
     if whole is None:
         return {}
-    return {
-        "thesis": {
-            "shank_mm": number(whole.khan[0]),
-            "corner_mm": number(whole.khan[1]),
-            "least_difference_per_mm": number(whole.least),
-            "gouges": bool(whole.least < -1e-9),
-        },
-        "optimum": {
-            "shank_mm": number(whole.best.shank),
-            "corner_mm": number(whole.best.corner),
-            "least_difference_per_mm": number(whole.best.least),
-            "limited_at_mm": list(place),
-        },
+    optimum = {
+        "shank_mm": number(whole.best.shank),
+        "corner_mm": number(whole.best.corner),
+        "least_difference_per_mm": number(whole.best.least),
+        "limited_at_mm": list(place) if whole.best.row else None,
     }
+    if whole.khan is None:
+        return {"optimum": optimum}
+    thesis = {
+        "shank_mm": number(whole.khan[0]),
+        "corner_mm": number(whole.khan[1]),
+        "least_difference_per_mm": number(whole.least),
+        "gouges": bool(whole.least < -1e-9),
+    }
+    return {"thesis": thesis, "optimum": optimum}
 
 
 def size_notes(whole: SideBySide | None, place: Sequence[float] = ()) -> list[str]:
-    """Thesis and optimum in a line; ``place`` [mm] limits them."""
+    """Khan's mill and the optimum in a line; ``place`` [mm] limits them."""
     figures = whole_figures(whole, place)
     if not figures:
         return ["no mill of the catalogue reaches any point"]
     words = []
-    for name, key in (("the thesis's algorithm", "thesis"), ("true optimum", "optimum")):
-        mill = figures[key]
+    for name, key in _MILLS.items():
+        mill = figures.get(key)
+        if mill is None:
+            continue
         gouges = " (gouges)" if mill.get("gouges") else ""
         size = "none" if mill["shank_mm"] is None else f"R = {mill['shank_mm']:g}, r = {mill['corner_mm']:.4g} mm"
         words.append(f"{name}: {size}{gouges}")
@@ -57,20 +65,23 @@ def size_notes(whole: SideBySide | None, place: Sequence[float] = ()) -> list[st
 
 
 def whole_section(sizes: dict[str, Any]) -> str:
-    """One mill for everything, by the thesis and truly."""
+    """One mill for everything, by Khan's algorithm and truly."""
     if "optimum" not in sizes:
         return "## Tool size\n\nNo mill of the catalogue reaches any point.\n"
     rows = []
-    for name, key in (("the thesis's algorithm", "thesis"), ("true optimum", "optimum")):
-        mill = sizes[key]
+    for name, key in _MILLS.items():
+        mill = sizes.get(key)
+        if mill is None:
+            continue
         fits = mill["shank_mm"] is not None
         least = mill["least_difference_per_mm"]
         what = "none fits" if not fits else f"R = {mill['shank_mm']:g}, r = {mill['corner_mm']:.4g}"
         state = "–" if least is None else "gouges" if least < -1e-9 else "tie" if least <= 1e-9 else "free"
         rows.append([name, what, "–" if least is None else f"{least:.3g}", state if fits else "–"])
-    place = ", ".join(f"{x:.3g}" for x in sizes["optimum"]["limited_at_mm"])
+    place = sizes["optimum"]["limited_at_mm"]
+    limit = f"is limited at ({', '.join(f'{x:.3g}' for x in place)}) mm" if place else "is the catalogue's largest"
     return (
         "## Largest mill of the catalogue for the whole surface\n\n"
         + table(["", "mill [mm]", "least difference of curvature [1/mm]", ""], rows)
-        + f"\nThe optimum is limited at ({place}) mm. "
+        + f"\nThe optimum {limit}. "
     )
