@@ -64,7 +64,7 @@ def plan(scene: CylindricalGearScene, folder: Path) -> Job:
     if not set(np.unique(program.blocks.tool).tolist()) & set(tools):
         listed = ", ".join(f"T{number} M06" for number in sorted(tools))
         raise InputError(f"program: it moves none of the scene's tools; expected {listed} and moves behind it")
-    finishing = scene.finishing()
+    finishing, notes = scene.finishing(), _finished_by(scene, program)
     probed = ProbedGear(gear, {side: _reached(gear, side, finishing) for side in SIDES}, finishing.modification)
     tolerance, real = scene.simulation.compile_tolerance_mm, disturbance(scene.errors)
     whole = disturbed_operations(program.blocks, tools, real, tolerance, text, program.operations, scene.holders())
@@ -84,7 +84,7 @@ def plan(scene: CylindricalGearScene, folder: Path) -> Job:
         settings=settings(scene),
         scene=scene_table(scene),
         files={"program.nc": text},
-        notes=program.notes,
+        notes=(*program.notes, *notes),
         conventions=_CONVENTIONS,
     )
 
@@ -111,6 +111,28 @@ def _program(
     operations = [as_printed(op, options, step.cutting.feed) for op, step in zip(exact, steps, strict=True)]
     text = write_program(operations, _header(scene, gear), options)
     return read_program(text, machine, settings=reading), text
+
+
+def _finished_by(scene: CylindricalGearScene, program: Program) -> tuple[str, ...]:
+    """A note where a program of the user's own ends with another tool than the one that is said to finish the flanks.
+
+    What that one reaches is probed. Raises InputError where it cuts nothing.
+    """
+    if not scene.program.file:
+        return ()
+    cutting = program.blocks.tool[~program.blocks.rapid]
+    number, there = scene.finishing().cutting.tool.number, sorted(set(cutting.tolist()))
+    if number not in there:
+        listed = ", ".join(f"T{tool}" for tool in there)
+        raise InputError(
+            f"toolpath.finishing.tool: T{number} cuts nothing in {scene.program.file}, {listed} does; what the tool "
+            "that finishes the flanks reaches is probed: name that one"
+        )
+    last = int(cutting[-1])
+    told = (
+        f"toolpath.finishing.tool is T{number}, and what it reaches is probed; {scene.program.file} ends with T{last}"
+    )
+    return (told,) * (last != number)
 
 
 def _part(scene: CylindricalGearScene, probed: ProbedGear) -> Part:

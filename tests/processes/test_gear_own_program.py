@@ -4,9 +4,10 @@ import numpy as np
 import pytest
 
 from gearsim.errors import InputError
+from gearsim.metrology.gear_reach import ReachInspection
 from gearsim.metrology.program_times import ProgramInspection
 from gearsim.processes.run import plan
-from gearsim.scene import load_scene, scene_text
+from gearsim.scene import check_scene, load_scene, scene_table, scene_text
 
 FEW = ("metrology.spaces=1", "metrology.points=15", "toolpath.finishing.axial_step_mm=2.5")
 
@@ -155,3 +156,36 @@ def test_three_operations_are_cut_with_their_own_tools_whatever_the_comments_say
     assert {o.name: 2.0 * o.cutter.max_radius for o in mine} == {"T1": 3.0, "T2": 3.175, "T3": 2.5}
     assert [o.table.tip.shape for o in mine] == [o.table.tip.shape for o in theirs]
     assert all(np.array_equal(a.table.tip, b.table.tip) for a, b in zip(mine, theirs, strict=True))
+
+
+def own_tools(text, folder, finishing):
+    """The job of a program cut with T1 and T2, the second thicker, where one of them is said to finish."""
+    (folder / "own.nc").write_text(text, encoding="ascii")
+    scene, _ = load_scene("spur-external", (*FEW, "program.file=own.nc"))
+    tables = scene_table(scene)
+    tables["toolpath"]["finishing"]["tool"] = finishing
+    tables["tools"] = [tables["tools"][0], tables["tools"][0] | {"number": 2, "diameter_mm": 4.0}]
+    return plan(check_scene(tables, "s"), folder)
+
+
+def reached(job):
+    (found,) = (i for i in job.inspections if isinstance(i, ReachInspection))
+    return found.diameter
+
+
+def test_what_the_tool_reaches_that_finishes_the_user_s_program_is_probed(text, tmp_path):
+    """[toolpath] of a built-in scene stays when program.file replaces its program: it may name an idle tool."""
+    second = text.replace("T1 M06", "T2 M06").replace("G43 H1 ", "G43 H2 ")
+    with pytest.raises(InputError, match=r"toolpath\.finishing\.tool: T2 cuts nothing in own\.nc, T1 does"):
+        own_tools(text, tmp_path, 2)
+    with pytest.raises(InputError, match=r"toolpath\.finishing\.tool: T1 cuts nothing in own\.nc, T2 does"):
+        own_tools(second, tmp_path, 1)
+    assert reached(own_tools(second, tmp_path, 2)) == 4.0
+
+
+def test_a_program_that_ends_with_another_tool_is_told(text, tmp_path):
+    before, end, after = text.rpartition("M09\nM05\n")
+    both = before + "T2 M06\nG90 G54 G94 G43 H2 Z5.\nG01 X-50. F100\n" + end + after
+    told = "toolpath.finishing.tool is T1, and what it reaches is probed; own.nc ends with T2"
+    assert told in own_tools(both, tmp_path, 1).notes
+    assert not any("own.nc ends with" in note for note in own_tools(both, tmp_path, 2).notes)
