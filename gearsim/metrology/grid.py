@@ -184,8 +184,9 @@ class GridInspection:
             return
         for name in self.judged:
             yield from self._not_judged(found, name)
-        if self.last and self.last not in found:
-            heading = last_heading(found[self.variants[0]].by)
+        first = found[self.variants[0]]
+        if self.last and self.last not in found and not untouched(self.surface, first.deviation):
+            heading = last_heading(first.by)
             last = f"the last operation ({heading})" if heading else "the last operation"
             yield f"{last} cuts no sample of {self.surface}: the two roads compared nothing"
         for name in (*self.witnessed, *([self.last] if self.last in found else [])):

@@ -71,6 +71,16 @@ def test_stock_in_the_root_is_named_whatever_the_program_is_written_in(flank, by
     assert max(f.depth_um for f in left.values()) == pytest.approx(theirs.depth_um, rel=0.2)  # other rows of samples
 
 
+def test_a_program_that_stands_elsewhere_is_unchecked_with_one_reason_a_surface(flank, by_gcode):
+    """Mounted half a metre off the gear's program cuts the air."""
+    scene = gcode_scene(flank[0], toolpath={"file": "own.nc", "mounting": {"origin_mm": [0.0, 0.0, 500.0]}})
+    result = run(check_scene(scene, "own"), folder=by_gcode[1])
+    assert (result.verdict, result.exit_code) == ("unchecked", 3)
+    for surface in result.job.part.surfaces:
+        assert result.status.count(f"no operation touches {surface} under program") == 1
+        assert f"cuts no sample of {surface}" not in result.status
+
+
 def test_surfaces_that_are_not_judged_have_no_tolerance_and_no_say(flank, by_gcode):
     """The root's surfaces keep their stock; only the convex flank decides."""
     scene = gcode_scene(flank[0], metrology=GRID | {"judged": ["convex"]})
