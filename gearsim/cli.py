@@ -6,6 +6,7 @@ import argparse
 import sys
 from collections.abc import Sequence
 from pathlib import Path
+from shlex import quote
 from time import perf_counter
 from typing import Any
 
@@ -102,7 +103,7 @@ def _new(options: argparse.Namespace) -> int:
     from gearsim.scene.new import write_new
 
     target = write_new(options.name, options.like)
-    print(f"wrote {target}; edit it, then: gearsim run {target}")
+    print(f"wrote {target}; edit it, then: gearsim run {quote(str(target))}")
     return 0
 
 

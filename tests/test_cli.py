@@ -265,3 +265,9 @@ def test_charts_are_drawn_in_formats_of_papers_alone(formats, capsys):
         run("run", "spiral-bevel-flank", "--figures", formats)
     assert stop.value.code == 2
     assert "argument --figures: expected svg or pdf, with commas between, got" in capsys.readouterr().err
+
+
+def test_the_command_that_new_tells_can_be_pasted(tmp_path, capsys, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    assert run("new", "my gear") == 0
+    assert capsys.readouterr().out == "wrote my gear.toml; edit it, then: gearsim run 'my gear.toml'\n"

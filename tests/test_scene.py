@@ -330,3 +330,8 @@ def test_a_folder_and_a_line_that_is_no_toml_are_named(tmp_path):
     file.write_text("[surface")
     with pytest.raises(InputError, match="not valid TOML"):
         load_scene(file)
+
+
+def test_numbers_that_are_none_get_no_remark_on_their_unit():
+    with pytest.raises(InputError, match=r"surface\.module_mm: got inf; input should be a finite number$"):
+        load_scene("spiral-bevel-flank", ["surface.module_mm=inf"])

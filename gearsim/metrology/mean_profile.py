@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, cast
 
 import numpy as np
+from numpy.typing import NDArray
 
 from gearsim.metrology.deviation import measure
 from gearsim.metrology.inspection import Cut, Reading, Steps
@@ -14,6 +15,8 @@ from gearsim.surfaces.patch import ToothSurface
 
 if TYPE_CHECKING:
     from gearsim.metrology.job import Job
+
+_SLACK_MM = 1e-6
 
 
 @dataclass(frozen=True)
@@ -29,7 +32,7 @@ class Published:
 @dataclass(frozen=True)
 class ProfileMeasurement:
     """Deviations [um] by L0, L1, ... at heights ``offsets_mm`` from the contact path: along the surface's normal and
-    along the profile's in its plane.
+    along the profile's in its plane; nan at heights where the flank has ended.
     """
 
     surface: str
@@ -57,8 +60,19 @@ class ProfileInspection:
         lines = profile_rays(patch, np.array(self.offsets_mm), self.contact_height)
         variant = job.variant(self.variant, self.surface)
         removed = yield [Cut(rays, variant) for rays in lines]
-        normal, in_plane = (1e3 * measure(rays, r).value for rays, r in zip(lines, removed, strict=True))
+        there = _on_flank(patch, lines[0].origin)
+        found_um = (1e3 * measure(rays, r).value for rays, r in zip(lines, removed, strict=True))
+        normal, in_plane = (np.where(there, um, np.nan) for um in found_um)
         names = [f"L{i}" for i in range(len(self.offsets_mm))]
         along, across = (dict(zip(names, um.tolist(), strict=True)) for um in (normal, in_plane))
         found = ProfileMeasurement(self.surface, self.variant, self.offsets_mm, along, across, self.published)
         return Reading((found,))
+
+
+def _on_flank(patch: ToothSurface, points: NDArray) -> NDArray:
+    """Which points [mm] of a flank's continuation, shape (n, 3), lie between its own lower and upper edge."""
+    cone, height = patch.blank.cone_height(points)
+    share = np.nan_to_num((cone - patch.blank.toe) / patch.blank.face_width)
+    edges = (patch.jet(*patch.locate(share, np.full(len(share), end))).r for end in (0.0, 1.0))
+    lower, upper = (patch.blank.cone_height(edge)[1] for edge in edges)
+    return np.asarray((height >= lower - _SLACK_MM) & (height <= upper + _SLACK_MM))

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import base64
 import re
+from math import isnan
 from pathlib import Path
 from typing import Any
 
@@ -92,8 +93,8 @@ def third_witness(dexel: dict[str, Any]) -> str:
 
 
 def um(x: float | None) -> str:
-    """A deviation in um with the digits that matter."""
-    if x is None:
+    """A deviation in um with the digits that matter; a dash where there is none."""
+    if x is None or isnan(x):
         return "–"
     if abs(x) < 5e-7:
         return "0"

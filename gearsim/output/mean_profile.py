@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from functools import partial
+from math import isfinite
 from typing import Any
 
 from gearsim.metrology.mean_profile import ProfileMeasurement
@@ -38,6 +39,8 @@ def sections(_: Result, found: Sequence[ProfileMeasurement]) -> dict[str, str]:
         rows.append([f"{m.surface}, ours, normal in the profile plane", *map(um, m.in_plane_um.values())])
     head = ["Deviation at the mean profile [µm]", *found[0].normal_um]
     text = f"Under {found[0].variant}; L0 lies at mid working depth, where passes planned here touch the tooth."
+    if not all(isfinite(value) for m in found for value in m.normal_um.values()):
+        text += " –: the flank ends before, or nothing was measured there."
     printed = found[0].published
     if printed is None:
         return {"details": f"## Mean profile\n\n{text}\n\n" + table(head, rows)}

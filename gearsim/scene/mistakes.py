@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from difflib import get_close_matches
-from math import degrees
+from math import degrees, isfinite
 from typing import Any, get_args
 
 from pydantic import ValidationError
@@ -108,7 +108,7 @@ def _tables_in(annotation: Any) -> list[type[Table]]:
 
 def _unit_hint(field: str, got: Any) -> str:
     """A remark where a value looks as if it were in another unit."""
-    if not isinstance(got, int | float) or isinstance(got, bool):
+    if not isinstance(got, int | float) or isinstance(got, bool) or not isfinite(got):
         return ""
     if field.endswith("_deg") and 0.0 < got < 1.6:
         return f" (angles are in degrees; {got:g} rad would be {degrees(got):.4g})"
