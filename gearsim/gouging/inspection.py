@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from dataclasses import dataclass
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, replace
+from itertools import chain
 from typing import TYPE_CHECKING, cast
 
 import numpy as np
 
 from gearsim.cutters.profile import Profile
+from gearsim.errors import InputError
 from gearsim.geometry.rays import RayBundle
 from gearsim.gouging.attribution import (
     Attribution,
@@ -26,6 +28,7 @@ from gearsim.metrology.grid import DENSE, GridMeasurement
 from gearsim.metrology.inspection import Cut, Reading, Steps
 from gearsim.metrology.roads import LIMIT_UM
 from gearsim.metrology.samples import SampleGrid, sample_grid
+from gearsim.metrology.study import Change, study_steps
 from gearsim.metrology.verdict import untouched
 from gearsim.motion.segments import SegmentTable
 from gearsim.simulation.operation import Variant, operation
@@ -77,36 +80,54 @@ class GougingMeasurement:
 
 @dataclass(frozen=True)
 class GougingInspection:
-    """A surface on a grid under one variant, whose passes are ``path``, and all its contacts cut one by one.
+    """A surface on a grid under one variant, all its contacts cut one by one; the same under tools beside its own.
 
-    Overcut deeper than ``tolerance_um`` is attributed; it fails where the variant is ``judged``. ``ring`` [mm]: how far
-    beside a contact is looked.
+    ``compared`` are a study: the tools that stand in the variant's place one after the other. Overcut deeper than
+    ``tolerance_um`` is attributed; it fails under the variant's own tool alone. ``paths`` are the passes of all tools
+    by their operations' names; ``ring`` [mm]: how far beside a contact is looked.
     """
 
     surface: str
     variant: str
-    path: SculpturedPath
+    paths: Mapping[str, SculpturedPath]
+    compared: tuple[Change, ...]
     rows: int
     columns: int
     margin: float
     ring: float
     tolerance_um: float
-    judged: bool
     name: str = "gouging"
 
     def steps(self, job: Job) -> Steps[Reading]:
+        cuts = yield from study_steps(job, [Change(self.variant, "", {}), *self.compared], self._cut)
+        variants = [job.variant(self.variant), *(self._beside(job, change) for change in self.compared)]
+        found = list(zip(variants, cuts, strict=True))
+        return Reading(
+            tuple(chain.from_iterable(self._measured(variant, cut) for variant, cut in found)),
+            tuple(chain.from_iterable(self._findings(variant.name, cut) for variant, cut in found)),
+            tuple(chain.from_iterable(self._doubts(variant.name, cut) for variant, cut in found)),
+            (self.surface,),
+        )
+
+    def _beside(self, job: Job, change: Change) -> Variant:
+        """What stands in the variant's place, under the change's name."""
+        return replace(job.under(change.variants).variant(self.variant), name=change.name)
+
+    def _cut(self, job: Job) -> Steps[ToolCut]:
+        """The surface cut by the tool that stands in the variant's place."""
         surface, variant = cast(NurbsSurface, job.part.patch(self.surface)), job.variant(self.variant)
         cutter, (made_by,) = variant.cutter, variant.operations
+        path = self._path(made_by.name)
         grid = sample_grid(surface, self.rows, self.columns, self.margin)
-        found, rays = predict_path(surface, cutter, self.path), grid.rays()
-        asked = rings(surface, cutter, self.path, found, self.ring)
+        found, rays = predict_path(surface, cutter, path), grid.rays()
+        asked = rings(surface, cutter, path, found, self.ring)
         standing = Variant("standing", "", (operation("contacts", cutter, [asked.standing], 1e-9),))
         whole, alone = yield [Cut(rays, variant), Cut(asked.rays, standing)]
         deviation, at = measure(rays, whole), (grid.u.ravel(), grid.v.ravel())
-        made = attribute(surface, cutter, self.path, made_by.table, deviation, at, 1e-3 * self.tolerance_um)
-        cut = ToolCut(
+        made = attribute(surface, cutter, path, made_by.table, deviation, at, 1e-3 * self.tolerance_um)
+        return ToolCut(
             cutter=cutter,
-            path=self.path,
+            path=path,
             segments=len(made_by),
             grid=grid,
             contacts=found,
@@ -114,18 +135,24 @@ class GougingInspection:
             deviation=deviation.reshaped(grid.shape),
             made=Attribution(*(x.reshape(grid.shape) for x in (made.cause, made.contact, made.apart))),
             rings=read_rings(asked, found, measure(asked.rays, alone), self.ring),
-            check_um=_check(cutter, self.path, made_by.table, rays, deviation),
+            check_um=_check(cutter, path, made_by.table, rays, deviation),
         )
-        measured = (self._on_grid(variant, cut), GougingMeasurement(self.surface, self.variant, cut))
-        judged = (self.surface,) if self.judged else ()
-        return Reading(measured, tuple(self._findings(cut)), tuple(self._doubts(cut)), judged)
 
-    def _on_grid(self, variant: Variant, cut: ToolCut) -> GridMeasurement:
+    def _path(self, tool: str) -> SculpturedPath:
+        if tool not in self.paths:
+            raise InputError(
+                f"gouging of {self.surface}: the contacts of {tool!r} are not known; in the place of {self.variant!r} "
+                f"may stand {', '.join(map(repr, self.paths))}"
+            )
+        return self.paths[tool]
+
+    def _measured(self, variant: Variant, cut: ToolCut) -> tuple[GridMeasurement, GougingMeasurement]:
         nowhere = np.zeros(cut.grid.shape, dtype=bool)
-        return GridMeasurement(self.surface, variant, DENSE, cut.grid, nowhere, nowhere, cut.deviation)
+        grid = GridMeasurement(self.surface, variant, DENSE, cut.grid, nowhere, nowhere, cut.deviation)
+        return grid, GougingMeasurement(self.surface, variant.name, cut)
 
-    def _findings(self, cut: ToolCut) -> Iterator[Finding]:
-        """The deepest overcut of each cause; it fails where the tool is judged."""
+    def _findings(self, tool: str, cut: ToolCut) -> Iterator[Finding]:
+        """The deepest overcut of each cause; it fails where the tool is the variant's own."""
         depth = np.where(cut.deviation.crossing == Crossing.THROUGH, -cut.grid.inward, cut.deviation.value)
         for cause, text in _WORDS.items():
             mine = cut.made.cause == cause
@@ -134,25 +161,24 @@ class GougingInspection:
             worst = np.unravel_index(int(np.argmin(np.where(mine, depth, np.inf))), cut.grid.shape)
             x, y, z = (float(c) for c in cut.grid.point[worst])
             kind = f"{cause.name.lower()}_gouging" if cause <= Cause.GLOBAL else "overcut"
-            text = f"the {self.variant} {text} ({int(mine.sum())} samples)"
-            yield Finding(
-                kind, self.surface, 1e3 * float(depth[worst]), (x, y, z), None, None, self.judged, text
-            )  # fmt: skip
+            text = f"the {tool} {text} ({int(mine.sum())} samples)"
+            own = tool == self.variant
+            yield Finding(kind, self.surface, 1e3 * float(depth[worst]), (x, y, z), None, None, own, text)
 
-    def _doubts(self, cut: ToolCut) -> Iterator[str]:
-        """Where the judged tool cuts nothing, or prediction, cut and search disagree."""
-        if self.judged:
-            yield from untouched(f"the surface with the {self.variant}", cut.deviation)
+    def _doubts(self, tool: str, cut: ToolCut) -> Iterator[str]:
+        """Where the variant's own tool cuts nothing, or prediction, cut and search disagree."""
+        if tool == self.variant:
+            yield from untouched(f"the surface with the {tool}", cut.deviation)
             if not len(cut.rings.contact):
-                yield f"no contact of the {self.variant} was cut alone: prediction and cut were compared nowhere"
+                yield f"no contact of the {tool} was cut alone: prediction and cut were compared nowhere"
         if cut.check_um > LIMIT_UM:
-            yield f"{self.variant}: machined points lie {cut.check_um:.3g} um off the tool (limit {LIMIT_UM:g})"
+            yield f"{tool}: machined points lie {cut.check_um:.3g} um off the tool (limit {LIMIT_UM:g})"
         unknown, unpredicted = cut.made.count(Cause.UNKNOWN), cut.made.count(Cause.UNPREDICTED)
         if unknown:
-            yield f"{self.variant}: {unknown} samples are cut through the window; raise metrology.window_mm"
+            yield f"{tool}: {unknown} samples are cut through the window; raise metrology.window_mm"
         if unpredicted or cut.rings.disagree.any():
             yield (
-                f"{self.variant}: prediction and cut disagree at {int(cut.rings.disagree.sum())} contacts cut alone; "
+                f"{tool}: prediction and cut disagree at {int(cut.rings.disagree.sum())} contacts cut alone; "
                 f"{unpredicted} samples are overcut where nothing is predicted to gouge"
             )
 

@@ -1,6 +1,6 @@
 """Studies: one question put to a job under one change after another; all changes are cut together.
 
-The convergence series, the error budget and `processes.run.study` are its users.
+The convergence series, the error budget, the comparison tools and `processes.run.study` are its users.
 """
 
 from __future__ import annotations

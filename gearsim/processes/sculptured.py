@@ -13,6 +13,7 @@ from gearsim.metrology.grid import GridInspection
 from gearsim.metrology.holder_check import HolderInspection
 from gearsim.metrology.inspection import Inspection
 from gearsim.metrology.job import Job
+from gearsim.metrology.study import Change
 from gearsim.processes.frames import NET_FRAME
 from gearsim.processes.settings import settings
 from gearsim.processes.worked_examples import CONVENTIONS
@@ -51,9 +52,10 @@ def plan(scene: SculpturedScene, folder: Path) -> Job:
 
 def _inspections(scene: SculpturedScene, surface: str, paths: dict[str, SculpturedPath]) -> Iterator[Inspection]:
     m, names = scene.metrology, tuple(paths)
-    for name, path in paths.items():
-        judged = name == names[0]
-        yield GougingInspection(surface, name, path, m.rows, m.columns, m.margin, m.ring_mm, m.tolerance_um, judged)
+    compared = tuple(Change(name, "", {names[0]: name}) for name in names[1:])
+    yield GougingInspection(
+        surface, names[0], paths, compared, m.rows, m.columns, m.margin, m.ring_mm, m.tolerance_um
+    )  # fmt: skip
     if scene.holder is not None:
         grid = GridInspection(surface, names[:1], (), m.rows, m.columns, m.margin)
         yield HolderInspection(names[0], (grid,))

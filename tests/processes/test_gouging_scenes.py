@@ -1,6 +1,7 @@
 """Predicted local gouging against the cut: contacts alone, causes of overcut, files, exit codes."""
 
 import json
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -10,8 +11,9 @@ from gearsim.errors import InputError
 from gearsim.gouging.attribution import Cause, straight_distance, tool_distance
 from gearsim.gouging.prediction import predict_path
 from gearsim.output.write import write_result
-from gearsim.processes.run import run
+from gearsim.processes.run import plan, run, study
 from gearsim.scene import check_scene, load_scene
+from gearsim.simulation.operation import Variant
 from gearsim.surfaces.nurbs_file import load_surfaces
 from gearsim.toolpaths.sculptured import contact_path
 from tests.surfaces.nurbs_shapes import sphere
@@ -170,3 +172,21 @@ def test_a_sphere_is_not_reached_from_below():
     below = path.touches.normal[:, 2] < -1e-6
     assert below.any()
     assert np.isnan(path.touches.tip[below]).all()
+
+
+def test_the_larger_tool_in_the_place_of_the_chosen_one_cuts_what_it_cuts_beside_it(gouged):
+    job = plan(*load_scene("gouge-horizontal-free-form", SMALL))
+    table = study(job, {"larger": {"chosen tool": "larger tool"}})
+    lines = {(row["change"], row["variant"]): row for row in table if row["inspection"] == "gouging"}
+    named = ("change", "variant")
+    alone = {k: v for k, v in lines["larger", "chosen tool"].items() if k not in named}
+    assert alone == {k: v for k, v in lines["", "larger tool"].items() if k not in named}
+    assert alone["contacts_gouging"] == 0 < lines["", "chosen tool"]["contacts_gouging"]
+
+
+def test_a_tool_whose_contacts_are_not_known_does_not_stand_in_for_the_chosen_one(gouged):
+    job = gouged.job
+    (made_by,) = job.variant("chosen tool").operations
+    strange = Variant("chosen tool", "", (replace(made_by, name="a stranger"),))
+    with pytest.raises(InputError, match=r"contacts of 'a stranger' are not known.*'chosen tool', 'larger tool'"):
+        study(job, {"another": {"chosen tool": strange}})
