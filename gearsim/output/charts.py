@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
+from math import ceil
 from pathlib import Path
 from textwrap import wrap
 from typing import TYPE_CHECKING
@@ -14,7 +15,7 @@ from numpy.typing import NDArray
 from gearsim.metrology.grid import GridMeasurement
 from gearsim.metrology.mean_profile import ProfileMeasurement
 from gearsim.motion.axes import AxisMotion
-from gearsim.output.heat import draw_heat, is_perfect
+from gearsim.output.heat import draw_heat, is_perfect, limit_of
 from gearsim.output.panels import Room, page, pyplot
 from gearsim.output.presenters import collected
 from gearsim.output.saving import Chart, Save
@@ -26,6 +27,8 @@ if TYPE_CHECKING:
 
 _OURS, _BESIDE = "#1b3a5c", "#c8791b"
 _BESIDE_ONE = 2  # variants of a surface that is alone
+_ACROSS = 3  # maps side by side, at most
+_PALE = 4.0  # so many times smaller than its scale a map may be
 _STYLES = (("-", 2.8), ("--", 1.9), (":", 1.9))  # of curves that may lie over one another
 _PIXELS = 1400.0  # across a picture of few panels
 
@@ -48,18 +51,39 @@ def draw_grids(result: Result, dense: Sequence[GridMeasurement], save: Save) -> 
     shown, told = sorted_out(dense)
     places, columns, rows = _panels(shown)
     width = max(4.7 * columns + 0.3, 9.7)
+    pitch = (width - 0.3) / columns
+    told += _tolerated(result, shown)
     lines = [line for sentence in told for line in wrap(sentence, int(13 * width))]
     head = 0.7 + 0.17 * len(lines)
     height = head + 2.75 * rows
     figure = pyplot().figure(figsize=(width, height))
-    for m, (row, column) in zip(shown, places, strict=True):
-        left, bottom = 0.65 + 4.7 * column, height - head - 2.2 - 2.75 * row
-        axis = figure.add_axes((left / width, bottom / height, 3.45 / width, 1.85 / height))
-        draw_heat(axis, m.grid, 1e3 * m.deviation.value, f"{m.surface}, {m.variant}")
+    limits = shared_limits([limit_of(1e3 * m.deviation.value) for m in shown], [row for row, _ in places])
+    for m, (row, column), limit in zip(shown, places, limits, strict=True):
+        left, bottom = 0.65 + pitch * column, height - head - 2.2 - 2.75 * row
+        axis = figure.add_axes((left / width, bottom / height, (pitch - 1.25) / width, 1.85 / height))
+        what = f"{m.surface}, {m.variant}"
+        draw_heat(axis, m.grid, 1e3 * m.deviation.value, what, limit, result.job.part.surfaces[m.surface].tolerance)
     title = f"{result.name}: deviation from the intended surfaces (+ material left, − overcut)"
     figure.text(0.6 / width, 1.0 - 0.35 / height, title, fontsize=12, weight="bold")
     figure.text(0.6 / width, 1.0 - 0.5 / height, "\n".join(lines), fontsize=9, va="top")
     save(figure, "deviation.png", round(max(80.0, _PIXELS / width)))
+
+
+def shared_limits(own: Sequence[float], rows: Sequence[int]) -> list[float]:
+    """Where the scales of maps end: with those of its row a map shares one, unless it would be too pale to be read."""
+    largest = {row: max(limit for limit, at in zip(own, rows, strict=True) if at == row) for row in set(rows)}
+    return [largest[row] if limit * _PALE >= largest[row] else limit for limit, row in zip(own, rows, strict=True)]
+
+
+def _tolerated(result: Result, shown: Sequence[GridMeasurement]) -> list[str]:
+    """What is tolerated of the surfaces shown, in a sentence; none where nothing is."""
+    by_text: dict[str, dict[str, None]] = {}
+    for m in shown:
+        tolerance = result.job.part.surfaces[m.surface].tolerance
+        if tolerance is not None:
+            by_text.setdefault(tolerance.text, {})[m.surface] = None
+    listed = "; ".join(f"{text} ({', '.join(names)})" for text, names in by_text.items())
+    return [f"tolerance, marked on the scales that reach it: {listed}"] if listed else []
 
 
 def sorted_out(dense: Sequence[GridMeasurement]) -> tuple[list[GridMeasurement], list[str]]:
@@ -92,7 +116,8 @@ def _alike(a: GridMeasurement, b: GridMeasurement) -> bool:
 
 def _panels(dense: Sequence[GridMeasurement]) -> tuple[list[tuple[int, int]], int, int]:
     """Row and column of every panel, and how many there are: surfaces under several variants side by side, a variant a
-    row; those under one alone in rows of their own. Of one surface alone variants stand side by side, too.
+    row, or more rows where there are many surfaces; those under one alone in rows of their own. Of one surface alone
+    variants stand side by side, too.
     """
     counts = Counter(m.surface for m in dense)
     if len(counts) == 1:
@@ -104,7 +129,7 @@ def _panels(dense: Sequence[GridMeasurement]) -> tuple[list[tuple[int, int]], in
     several = [name for name, count in counts.items() if count > 1]
     alone = [name for name, count in counts.items() if count == 1]
     variants = list(dict.fromkeys(m.variant for m in dense if m.surface in several))
-    columns = max(len(several), min(3, len(alone)))
+    columns = max(len(several), min(_ACROSS, len(alone)), 1)
     places = []
     for m in dense:
         if m.surface in several:
@@ -112,7 +137,9 @@ def _panels(dense: Sequence[GridMeasurement]) -> tuple[list[tuple[int, int]], in
         else:
             row, column = divmod(alone.index(m.surface), columns)
             places.append((len(variants) + row, column))
-    return places, columns, 1 + max((row for row, _ in places), default=0)
+    bands, across = ceil(columns / _ACROSS), min(columns, _ACROSS)
+    folded = [(row * bands + column // across, column % across) for row, column in places]
+    return folded, across, 1 + max((row for row, _ in folded), default=0)
 
 
 def draw_mean_profiles(result: Result, found: Sequence[ProfileMeasurement], save: Save) -> None:
@@ -138,6 +165,7 @@ def draw_axes(title: str, motions: Mapping[str, AxisMotion], save: Save) -> None
         for side, unit in enumerate(("mm", "deg")):
             axes[row, side].set_title(f"{name}: {'rotary' if side else 'linear'} axes")
             axes[row, side].set_xlabel("block")
+            axes[row, side].xaxis.get_major_locator().set_params(integer=True)
             axes[row, side].set_ylabel(unit)
             axes[row, side].legend(loc="upper left", bbox_to_anchor=(1.0, 1.0), frameon=False)
             axes[row, side].grid(alpha=0.3)
@@ -158,6 +186,7 @@ def _profile(axis: Axes, m: ProfileMeasurement) -> None:
         axis.plot(offsets[order], printed[order], "s:", color="0.5", label=f"{m.published.source} (sign turned)")
         if _largest(printed) > 3.0 * ours:
             axis.set_yscale("symlog", linthresh=ours)
+            axis.yaxis.set_major_formatter(lambda um, _: f"{um:g}".replace("-", "−"))
             scale = f" (logarithmic beyond {ours:.2g} µm)"
     axis.axhline(0.0, color="k", lw=0.6)
     axis.margins(y=0.15)

@@ -15,12 +15,16 @@ _ROOM = 3.0  # points about a label
 _SHORTEST = 30.0  # points of a line with a label
 _MOST = 3  # labels a level
 _ISLAND = 24.0  # points: shorter contours are left out
+_FULL = 20  # contours
 _END = 0.02  # of the range
 _ALONG = (0.5, 0.35, 0.65, 0.2, 0.8)  # of a contour's length, where a label is tried
 
 
 def draw_contours(axis: Any, x: NDArray, y: NDArray, values: NDArray, levels: int = 4) -> None:
-    """Contours of values, shape (rows, columns), at about as many round ``levels``, with their values on them."""
+    """Contours of values, shape (rows, columns), at about as many round ``levels``, with their values on them.
+
+    None where there would be so many that they fill the map: colours alone tell more of waves.
+    """
     from contourpy import contour_generator
     from matplotlib.collections import LineCollection
 
@@ -29,6 +33,8 @@ def draw_contours(axis: Any, x: NDArray, y: NDArray, values: NDArray, levels: in
     curves = [(level, curve) for level in round_levels(values, levels) for curve in _lines(found, level)]
     paths = [(f"{level:g}".replace("-", "−"), to_points * axis.transData.transform(curve)) for level, curve in curves]
     long = [k for k, (_, path) in enumerate(paths) if _length(path)[-1] > _ISLAND]
+    if len(long) > _FULL:
+        return
     dashes = ["--" if curves[k][0] < 0.0 else "-" for k in long]
     axis.add_collection(LineCollection([curves[k][1] for k in long], colors="k", linewidths=0.6, linestyles=dashes))
     paths = [paths[k] for k in long]

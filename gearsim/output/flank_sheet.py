@@ -11,14 +11,15 @@ import numpy as np
 
 from gearsim.metrology.grid import GridMeasurement
 from gearsim.output.colours import BAND, EXCESS, LINE, OUT, OVERCUT
-from gearsim.output.heat import draw_heat
+from gearsim.output.heat import draw_heat, limit_of
 from gearsim.output.saving import Save
+from gearsim.surfaces.part import Tolerance
 
 _WIDTH, _HEIGHT = 13.0, 10.2
 _LEFT, _PANEL, _BETWEEN = 0.75, 5.35, 0.95
 _MAP = 4.75  # wide, its scale beside it
 _STEP_SHARE = 0.42  # of the rows' distance: a whisker as long as the tolerance
-_CHARACTERS = 92
+_CHARACTERS = 84
 _ALIAS = 0.02  # of the tolerance: waves smaller than this do not mislead
 
 
@@ -41,11 +42,12 @@ def draw_sheet(
     for i, line in enumerate(lines):
         figure.text(0.35 / _WIDTH, 1.0 - (0.68 + 0.2 * i) / _HEIGHT, line, fontsize=8.5, color=LINE)
     per_um = whisker_scale(flanks, tolerance_um)
+    limit = max(limit_of(1e3 * f.dense.deviation.value) for f in flanks)
     for k, flank in enumerate(flanks):
         x = _LEFT + k * (_PANEL + _BETWEEN)
         _whiskers(_place(figure, x, 5.0, 3.9), flank.coarse, tolerance_um, per_um)
         _words(figure, x, 4.18, flank, tolerance_um)
-        _map(_place(figure, x, 0.75, 2.75, _MAP), flank)
+        _map(_place(figure, x, 0.75, 2.75, _MAP), flank, limit, tolerance_um)
     save(figure, name)
 
 
@@ -156,11 +158,11 @@ def aliasing_um(flank: Sheet) -> float:
     return max(0.0, float(np.ptp(waves)) - 2.0 * float(np.ptp(seen))) if np.ptp(waves) > 0.0 else 0.0
 
 
-def _map(axis: Any, flank: Sheet) -> None:
+def _map(axis: Any, flank: Sheet, limit: float, tolerance_um: float) -> None:
     """The dense map with its extremes marked, and the inspector's points on it."""
     m, points = flank.dense, flank.coarse.grid
     um = 1e3 * m.deviation.value
-    draw_heat(axis, m.grid, um, f"{m.surface} flank, dense")
+    draw_heat(axis, m.grid, um, f"{m.surface} flank, dense", limit, Tolerance.both(tolerance_um))
     along, up = m.grid.patch.ways
     x, y = np.meshgrid(along.at(points.length), up.at(points.height))
     axis.plot(x.ravel(), y.ravel(), ".", ms=2.5, color="0.2")

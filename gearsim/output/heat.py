@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from math import floor, log10
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,12 +12,14 @@ from gearsim.metrology.grid import GridMeasurement
 from gearsim.metrology.samples import SampleGrid
 from gearsim.output.colours import DIVERGING
 from gearsim.output.contours import draw_contours
+from gearsim.surfaces.part import Tolerance
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 NOISE_UM = 1e-3
 _FONT = 8
+_LEAST_MARK = 0.02  # of the limit
 
 
 def is_perfect(m: GridMeasurement) -> bool:
@@ -26,16 +28,25 @@ def is_perfect(m: GridMeasurement) -> bool:
     return bool(um.size) and bool(np.isfinite(um).all()) and float(np.abs(um).max()) < NOISE_UM
 
 
-def draw_heat(axis: Axes, grid: SampleGrid, um: NDArray, what: str) -> None:
-    """A map of one surface with its range in the title and its scale at the right.
+def limit_of(um: NDArray) -> float:
+    """The greatest size of deviations [um], or a nanometre: where the scale of a map ends."""
+    return max(float(np.nanmax(np.abs(um), initial=0.0)), NOISE_UM)
 
-    The contours are of the map averaged, most along the face, or a path's steps would fill it.
+
+def draw_heat(
+    axis: Axes, grid: SampleGrid, um: NDArray, what: str, limit: float, tolerance: Tolerance | None
+) -> None:  # fmt: skip
+    """A map of one surface from -``limit`` to ``limit`` with its range in the title and its scale at the right.
+
+    The tolerance is marked on the scale as far as it lies on it. The contours are of the map averaged, most along the
+    face, or a path's steps would fill it.
     """
     along, up = grid.patch.ways
     known = um[np.isfinite(um)]
-    limit = max(float(np.abs(known).max(initial=0.0)), NOISE_UM)
     x, y = along.at(grid.length), up.at(grid.height)
     paint(axis, x, y, um, limit)
+    if tolerance is not None:
+        _mark(axis, tolerance, limit)
     smooth = averaged(um)
     steps = smooth[np.isfinite(smooth)]
     if steps.size and np.ptp(steps) > 0.2 * limit and min(um.shape) > 2:
@@ -73,6 +84,16 @@ def span(known: NDArray) -> str:
     decimals = _decimals(max(abs(low), abs(high)))
     low, high = (round(value, decimals) + 0.0 for value in (low, high))
     return f"{low:.{decimals}f} to {high:.{decimals}f} µm".replace("-", "−")
+
+
+def _mark(axis: Axes, tolerance: Tolerance, limit: float) -> None:
+    """Strokes across the scale at the tolerance's ends that lie on it, where they do not run into its middle."""
+    from matplotlib.collections import LineCollection
+
+    shares = (um / limit for um in (-tolerance.overcut_um, tolerance.excess_um))
+    strokes = [[(x, 0.5 + 0.5 * at) for x in (1.015, 1.055)] for at in shares if _LEAST_MARK < abs(at) <= 1.0]
+    style: dict[str, Any] = {"colors": "k", "linewidths": 1.2, "transform": axis.transAxes, "clip_on": False}
+    axis.add_collection(LineCollection(strokes, **style), autolim=False)
 
 
 def _decimals(largest: float) -> int:

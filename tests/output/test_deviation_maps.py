@@ -5,11 +5,12 @@ import pytest
 from matplotlib import pyplot
 
 from gearsim.metrology.grid import DENSE
-from gearsim.output.charts import draw_grids, sorted_out
+from gearsim.output.charts import draw_grids, shared_limits, sorted_out
 from gearsim.output.contours import draw_contours, place_labels
-from gearsim.output.heat import is_perfect, span
+from gearsim.output.heat import draw_heat, is_perfect, span
 from gearsim.output.saving import Save
 from gearsim.surfaces.involute import InvoluteFlank
+from gearsim.surfaces.part import Tolerance
 from gearsim.surfaces.reached_flank import ReachedFlank
 from tests.metrology.gears import gear_of
 from tests.output.pages import overlaps
@@ -45,6 +46,49 @@ def test_labels_of_drawn_contours_do_not_collide():
     pyplot.close(figure)
     assert len(boxes) >= 3
     assert list(overlaps(boxes)) == []
+
+
+def test_waves_are_not_filled_with_contours():
+    figure = pyplot.figure(figsize=(4.0, 2.0))
+    axis = figure.add_axes((0.1, 0.1, 0.8, 0.8))
+    x, y = np.meshgrid(np.linspace(0.0, 1.0, 20), np.linspace(0.0, 1.0, 200))
+    draw_contours(axis, x[0], y[:, 0], np.sin(60.0 * y))
+    drawn = len(axis.texts), len(axis.collections)
+    pyplot.close(figure)
+    assert drawn == (0, 0)
+
+
+def test_maps_of_a_row_share_a_scale_unless_one_would_be_pale():
+    assert shared_limits([1.0, 0.25, 0.2, 8.0, 7.0], [0, 0, 0, 1, 1]) == [1.0, 1.0, 0.2, 8.0, 8.0]
+    assert shared_limits([], []) == []
+
+
+@pytest.mark.parametrize(
+    ("tolerance", "strokes"),
+    [(Tolerance.both(1.0), 2), (Tolerance(1.0, np.inf), 1), (Tolerance.both(2.0), 2), (Tolerance.both(2.1), 0),
+     (Tolerance.both(0.01), 0), (None, 0)],
+)  # fmt: skip
+def test_the_tolerance_is_marked_on_a_scale_that_reaches_it(result, tolerance, strokes):
+    figure = pyplot.figure()
+    axis = figure.add_axes((0.1, 0.1, 0.8, 0.8))
+    grid = dense(result)[0].grid
+    draw_heat(axis, grid, np.zeros(grid.shape), "", 2.0, tolerance)
+    marks = [len(c.get_segments()) for c in axis.collections]
+    pyplot.close(figure)
+    assert sum(marks) == strokes
+
+
+def test_many_surfaces_stand_in_more_rows_of_three(result):
+    some = [m for m in dense(result) if m.variant == "program"]
+    figures = []
+    maps = [with_um(m, np.linspace(-1.0, 1.0, m.grid.shape[1]) * (1 + k)) for k, m in enumerate(some)]
+    again = [replace(m, by=replace(m.by, name="x"), deviation=with_um(m, 9.0).deviation) for m in maps]
+    draw_grids(result, [*maps, *again], lambda figure, name, dpi: figures.append(figure))
+    boxes = np.round([a.get_position().get_points()[0] for a in figures[0].axes], 6)
+    pyplot.close(figures[0])
+    assert len(some) == 5
+    assert [len(np.unique(boxes[:, k])) for k in (0, 1)] == [3, 4]
+    assert len(np.unique(boxes, axis=0)) == 10
 
 
 def dense(result):
