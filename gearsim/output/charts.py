@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from gearsim.metrology.grid import GridMeasurement
 from gearsim.metrology.mean_profile import ProfileMeasurement
 from gearsim.motion.axes import AxisMotion
-from gearsim.output.heat import draw_heat, is_perfect, limit_of
+from gearsim.output.heat import draw_heat, is_perfect, limit_of, shared_limits
 from gearsim.output.panels import Room, page, pyplot
 from gearsim.output.presenters import collected
 from gearsim.output.saving import Chart, Save
@@ -28,7 +28,6 @@ if TYPE_CHECKING:
 _OURS, _BESIDE = "#1b3a5c", "#c8791b"
 _BESIDE_ONE = 2  # variants of a surface that is alone
 _ACROSS = 3  # maps side by side, at most
-_PALE = 4.0  # so many times smaller than its scale a map may be
 _STYLES = (("-", 2.8), ("--", 1.9), (":", 1.9))  # of curves that may lie over one another
 _PIXELS = 1400.0  # across a picture of few panels
 
@@ -67,12 +66,6 @@ def draw_grids(result: Result, dense: Sequence[GridMeasurement], save: Save) -> 
     figure.text(0.6 / width, 1.0 - 0.35 / height, title, fontsize=12, weight="bold")
     figure.text(0.6 / width, 1.0 - 0.5 / height, "\n".join(lines), fontsize=9, va="top")
     save(figure, "deviation.png", round(max(80.0, _PIXELS / width)))
-
-
-def shared_limits(own: Sequence[float], rows: Sequence[int]) -> list[float]:
-    """Where the scales of maps end: with those of its row a map shares one, unless it would be too pale to be read."""
-    largest = {row: max(limit for limit, at in zip(own, rows, strict=True) if at == row) for row in set(rows)}
-    return [largest[row] if limit * _PALE >= largest[row] else limit for limit, row in zip(own, rows, strict=True)]
 
 
 def _tolerated(result: Result, shown: Sequence[GridMeasurement]) -> list[str]:

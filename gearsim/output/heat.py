@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from math import floor, log10
 from typing import TYPE_CHECKING, Any
 
@@ -19,6 +20,7 @@ if TYPE_CHECKING:
 
 NOISE_UM = 1e-3
 _FONT = 8
+_PALE = 4.0  # so many times smaller than its scale a map may be
 _LEAST_MARK = 0.02  # of the limit
 
 
@@ -31,6 +33,12 @@ def is_perfect(m: GridMeasurement) -> bool:
 def limit_of(um: NDArray) -> float:
     """The greatest size of deviations [um], or a nanometre: where the scale of a map ends."""
     return max(float(np.nanmax(np.abs(um), initial=0.0)), NOISE_UM)
+
+
+def shared_limits(own: Sequence[float], rows: Sequence[int]) -> list[float]:
+    """Where the scales of maps end: with those of its row a map shares one, unless it would be too pale to be read."""
+    largest = {row: max(limit for limit, at in zip(own, rows, strict=True) if at == row) for row in set(rows)}
+    return [largest[row] if limit * _PALE >= largest[row] else limit for limit, row in zip(own, rows, strict=True)]
 
 
 def draw_heat(

@@ -5,9 +5,9 @@ import pytest
 from matplotlib import pyplot
 
 from gearsim.metrology.grid import DENSE
-from gearsim.output.charts import draw_grids, shared_limits, sorted_out
+from gearsim.output.charts import draw_grids, sorted_out
 from gearsim.output.contours import draw_contours, place_labels
-from gearsim.output.heat import draw_heat, is_perfect, span
+from gearsim.output.heat import draw_heat, is_perfect, shared_limits, span
 from gearsim.output.saving import Save
 from gearsim.surfaces.involute import InvoluteFlank
 from gearsim.surfaces.part import Tolerance

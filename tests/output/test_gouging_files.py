@@ -8,14 +8,19 @@ import pytest
 from gearsim.output.columns import Column
 from gearsim.output.drawer import patch_meshes
 from gearsim.output.exr import header, write_exr
+from gearsim.output.gouging.charts import rows_of
+from gearsim.output.gouging.curvature import CurvaturePlot, Piece, draw_curvatures, ranges
 from gearsim.output.meshes import values_of
 from gearsim.output.presenters import arrays, promised
+from gearsim.output.saving import Save
 from gearsim.output.write import REPORTS, write_result
 from gearsim.processes.run import run
 from gearsim.scene import check_scene
 from gearsim.surfaces.nurbs_file import load_surfaces, write_surfaces
+from tests.output.pages import overlaps
 
 ROWS, COLUMNS = 9, 5
+NOTHING = np.empty((0, 2))
 BALL = {"kind": "ball", "diameter_mm": 20.0, "height_mm": 60.0}
 
 
@@ -95,3 +100,31 @@ def test_a_surface_may_bear_the_name_of_the_preview(tmp_path):
     assert red[0] == green[0] == blue[0]
     assert abs(red[1] - blue[1]) < 1e-3
     assert red[2] > 2 * blue[2]
+
+
+def test_a_map_has_its_causes_beside_it_only_where_there_are_several():
+    assert rows_of({}) == []
+    assert rows_of({"a": False}) == [[("a", False)]]
+    assert rows_of({"a": False, "b": False, "c": False}) == [[("a", False), ("b", False)], [("c", False)]]
+    assert rows_of({"a": False, "b": True, "c": False}) == [
+        [("a", False)], [("b", False), ("b", True)], [("c", False)]
+    ]  # fmt: skip
+
+
+def contact(high, part=0.05):
+    return CurvaturePlot("", lambda a: high + 0.0 * a, (Piece("part", lambda a: part * np.cos(a) ** 2),), NOTHING, "")
+
+
+def test_contacts_of_one_part_are_drawn_to_one_scale():
+    assert ranges([contact(0.1), contact(0.2)]) == [pytest.approx((0.0, 0.224))] * 2
+    assert ranges([contact(0.1), contact(0.2, -0.1)]) == [
+        pytest.approx((0.0, 0.112)), pytest.approx((-0.136, 0.236))
+    ]  # fmt: skip
+    assert ranges([contact(0.1)]) == [pytest.approx((0.0, 0.112))]
+
+
+def test_no_text_of_curvatures_lies_over_another(texts, tmp_path):
+    tilted = CurvaturePlot("edge", lambda a: 0.1 + 0.0 * a, (Piece("part", lambda a: -0.2 + 0.0 * a),),
+                           np.array([[350.0, 370.0]]), "gouges", rim=0.1, borders=(0.2, 0.2 + np.pi))  # fmt: skip
+    draw_curvatures([contact(0.1), contact(0.3), tilted], "heading", "zero", "curvature.png", Save(tmp_path))
+    assert [pair for page in texts for pair in overlaps(page)] == []

@@ -56,12 +56,25 @@ def test_regions_are_the_mills_that_are_largest_somewhere():
         ([[12, 20], [12, 20]], [[12, 20], [12, 20]], "R = r of the ball end mill", ["12", "20"]),
         ([[30, 30], [30, 30]], [[5, 5], [14.1, 14.1]], "R = 30 mm; numbers: corner radius r", ["14.1", "5"]),
         ([[30, 30], [25, 25]], [[5, 5], [5, 2]], "R, r [mm]; colours: R", ["25, 2", "25, 5", "30, 5"]),
-        ([[30, 30], [30, 30]], [[5, 5], [5, 5]], "R = 30 mm; numbers: corner radius r", ["5"]),
         ([[8, NAN], [8, NAN]], [[8, NAN], [8, NAN]], "ball end mill", ["8", "grey: none fits"]),
-        ([[NAN, NAN], [NAN, NAN]], [[NAN, NAN], [NAN, NAN]], "no mill fits anywhere", []),
     ],
 )
 def test_numbers_tell_the_radii_that_vary(shank, corner, title, texts):
     told, numbers = drawn(choice(shank, corner))
     assert title in told
     assert numbers == texts
+
+
+@pytest.mark.parametrize(
+    ("mill", "sentence"),
+    [((30, 5), "at every point of the surface the same is the largest: R = 30 mm, r = 5 mm"),
+     ((NAN, NAN), "at no point of the surface a mill of the catalogue fits")],
+)  # fmt: skip
+def test_an_answer_that_is_everywhere_the_same_is_a_sentence(mill, sentence):
+    kept = []
+    sizes = choice(*(np.full((2, 2), x) for x in mill))
+    draw_sizes(sizes, "title", ["a note"], "a.png", lambda figure, name: kept.append(figure))
+    texts = [t.get_text() for t in kept[0].texts]
+    pyplot.close(kept[0])
+    assert kept[0].axes == []
+    assert texts == ["title", f"a note\n{sentence}"]

@@ -12,8 +12,8 @@ from gearsim.gouging.attribution import Cause
 from gearsim.gouging.inspection import ToolCut
 from gearsim.metrology.samples import SampleGrid
 from gearsim.output.colours import GOUGE
-from gearsim.output.gouging.curvature import TOOL
-from gearsim.output.heat import paint, span
+from gearsim.output.gouging.curvature import PART, TOOL
+from gearsim.output.heat import limit_of, paint, shared_limits, span
 from gearsim.output.panels import Room, page, pyplot
 from gearsim.output.saving import Save
 
@@ -26,20 +26,63 @@ CAUSES = {
     Cause.UNKNOWN: ("#6b7280", "cut through the window"),
 }
 _NOISE_UM = 1e-3
+_PANEL, _ALONE, _NOTHING = (4.8, 3.8), (8.4, 3.8), (8.4, 0.1)  # inch
 _TIE = 1e-9  # 1/mm
 
 
 def draw_cuts(
     title: str, cuts: Mapping[str, ToolCut], labels: Mapping[str, str], tolerance: float, save: Save
 ) -> None:  # fmt: skip
-    """gouging.png: one row a tool; left the deviation, right what made the overcut."""
+    """gouging.png: every tool's deviation and, beside it, what made the overcut where there is more than one answer.
+
+    What is as intended is told, not drawn.
+    """
     heading = f"{title}: machined minus intended (+ material left, − overcut)"
-    room = Room(bottom=1.0, top=1.1, across=1.5, up=1.7)
-    figure, axes = page(len(cuts), 2, (4.8, 3.8), room, heading)
-    for row, (name, cut) in enumerate(cuts.items()):
-        _deviation(axes[row, 0], cut.grid, cut, labels[name])
-        _causes(axes[row, 1], cut.grid, cut, tolerance)
+    told = [f"{labels[name]}: as intended to 1 nm; {_counted(cut)}" for name, cut in cuts.items() if _perfect(cut)]
+    rows = rows_of({name: _mixed(cut) for name, cut in cuts.items() if not _perfect(cut)})
+    room = Room(right=0.9, bottom=1.0, top=1.35 + 0.2 * len(told), across=1.5, up=1.9)
+    columns = max((len(row) for row in rows), default=1)
+    size = _PANEL if columns > 1 else _ALONE if rows else _NOTHING
+    figure, axes = page(max(len(rows), 1), columns, size, room, heading)
+    height = figure.get_size_inches()[1]
+    for k, line in enumerate(told):
+        figure.text(0.5, 1.0 - (0.55 + 0.2 * k) / height, line, fontsize=10, ha="center")
+    for panel in axes.flat:
+        panel.set_visible(False)
+    for panels, row in zip(axes, rows, strict=bool(rows)):
+        limits = shared_limits([limit_of(1e3 * cuts[name].deviation.value) for name, _ in row], [0] * len(row))
+        for panel, (name, causes), limit in zip(panels, row, limits, strict=False):
+            panel.set_visible(True)
+            if causes:
+                _causes(panel, cuts[name], tolerance)
+            else:
+                _deviation(panel, cuts[name], labels[name], limit, tolerance)
     save(figure, "gouging.png")
+
+
+def rows_of(mixed: Mapping[str, bool]) -> list[list[tuple[str, bool]]]:
+    """What stands in which row: a tool's map (False) with that of its causes (True) where they are ``mixed``, else
+    two maps side by side.
+    """
+    rows: list[list[tuple[str, bool]]] = []
+    for name, both in mixed.items():
+        if both:
+            rows.append([(name, False), (name, True)])
+        elif rows and len(rows[-1]) == 1:
+            rows[-1].append((name, False))
+        else:
+            rows.append([(name, False)])
+    return rows
+
+
+def _perfect(cut: ToolCut) -> bool:
+    um = 1e3 * cut.deviation.value
+    return bool(np.isfinite(um).all()) and float(np.abs(um).max(initial=0.0)) < _NOISE_UM
+
+
+def _mixed(cut: ToolCut) -> bool:
+    """Whether the surface's overcut has more than one cause, none of them among these."""
+    return bool((cut.made.cause != cut.made.cause.flat[0]).any())
 
 
 def _axes(axis: Any, grid: SampleGrid) -> tuple[NDArray, NDArray]:
@@ -48,40 +91,42 @@ def _axes(axis: Any, grid: SampleGrid) -> tuple[NDArray, NDArray]:
     return grid.length, grid.height
 
 
-def _deviation(axis: Any, grid: SampleGrid, cut: ToolCut, label: str) -> None:
+def _deviation(axis: Any, cut: ToolCut, label: str, limit: float, tolerance_um: float) -> None:
     um = 1e3 * cut.deviation.value
-    limit = max(float(np.nanmax(np.abs(um), initial=0.0)), _NOISE_UM)
-    if float(np.nanmax(np.abs(um), initial=0.0)) < _NOISE_UM and np.isfinite(um).all():
-        axis.set_axis_off()
-        axis.text(0.0, 0.5, f"{label}\nas intended to 1 nm", fontsize=11)
-        return
-    x, y = _axes(axis, grid)
+    x, y = _axes(axis, cut.grid)
     paint(axis, x, y, um, limit)
-    _predicted(axis, grid, cut)
-    axis.set_title(f"{label}\n{span(um[np.isfinite(um)])}", fontsize=11)
+    drawn, lines = _predicted(axis, cut), [label, span(um[np.isfinite(um)])]
+    if not _mixed(cut):
+        cause = CAUSES[Cause(int(cut.made.cause.flat[0]))][1]
+        everywhere = f"nothing overcut beyond {tolerance_um:g} µm" if cause == CAUSES[Cause.NONE][1] else f"all {cause}"
+        lines = [label, f"{lines[1]}; {everywhere}", _counted(cut)]
+        if drawn:
+            _legend(axis, [_border_mark()])
+    axis.set_title("\n".join(lines), fontsize=10)
 
 
-def _causes(axis: Any, grid: SampleGrid, cut: ToolCut, tolerance_um: float) -> None:
+def _causes(axis: Any, cut: ToolCut, tolerance_um: float) -> None:
     from matplotlib.colors import BoundaryNorm, ListedColormap
-    from matplotlib.lines import Line2D
     from matplotlib.patches import Patch
 
-    if cut.made.count(Cause.NONE) == cut.made.cause.size and not _predicts(cut):
-        axis.set_axis_off()
-        nothing = f"nothing is overcut beyond {tolerance_um:g} µm,\nand nothing was predicted to be"
-        axis.text(0.0, 0.5, f"{nothing}\n{_counted(cut)}", fontsize=11)
-        return
-    x, y = _axes(axis, grid)
+    x, y = _axes(axis, cut.grid)
     colours = ListedColormap([c for c, _ in CAUSES.values()])
     norm = BoundaryNorm(np.arange(-0.5, len(CAUSES)), len(CAUSES))
     axis.pcolormesh(x, y, cut.made.cause, cmap=colours, norm=norm, shading="nearest", rasterized=True)
-    drawn = _predicted(axis, grid, cut)
-    there = [c for c in CAUSES if cut.made.count(c)]
-    marks: list[Any] = [Patch(color=CAUSES[c][0], label=CAUSES[c][1]) for c in there]
-    if drawn:
-        marks.append(Line2D([], [], color="k", lw=1.4, ls="--", label="border of the contacts predicted to gouge"))
+    drawn = _predicted(axis, cut)
+    marks: list[Any] = [Patch(color=CAUSES[c][0], label=CAUSES[c][1]) for c in CAUSES if cut.made.count(c)]
+    _legend(axis, [*marks, _border_mark()] if drawn else marks)
+    axis.set_title(f"what made the overcut beyond {tolerance_um:g} µm\n{_counted(cut)}", fontsize=10)
+
+
+def _border_mark() -> Any:
+    from matplotlib.lines import Line2D
+
+    return Line2D([], [], color="k", lw=1.4, ls="--", label="border of the contacts predicted to gouge")
+
+
+def _legend(axis: Any, marks: list[Any]) -> None:
     axis.legend(handles=marks, fontsize=8, loc="upper center", bbox_to_anchor=(0.5, -0.13), ncols=2, frameon=False)
-    axis.set_title(f"what made the overcut beyond {tolerance_um:g} µm\n{_counted(cut)}", fontsize=11)
 
 
 def _counted(cut: ToolCut) -> str:
@@ -90,22 +135,15 @@ def _counted(cut: ToolCut) -> str:
     return f"{len(q.contact):,} contacts cut alone: {gouge:,} gouge, {against} against prediction"
 
 
-def _predicted(axis: Any, grid: SampleGrid, cut: ToolCut) -> bool:
+def _predicted(axis: Any, cut: ToolCut) -> bool:
     """The border between points where the tool would gouge and where not; False where there is none."""
-    least = _least(cut)
-    bordered = _predicts(cut) and bool(np.nanmax(least) > _TIE)
+    least = np.where(cut.samples.touches, cut.samples.comparison.least, np.nan).reshape(cut.grid.shape)
+    bordered = bool(np.nanmin(least, initial=0.0) < -_TIE and np.nanmax(least, initial=-_TIE) > _TIE)
     if bordered:
-        axis.contour(grid.length, grid.height, least, levels=[-_TIE], colors="k", linewidths=1.4, linestyles="--")
+        axis.contour(
+            cut.grid.length, cut.grid.height, least, levels=[-_TIE], colors="k", linewidths=1.4, linestyles="--"
+        )
     return bordered
-
-
-def _predicts(cut: ToolCut) -> bool:
-    """Whether the tool is predicted to gouge anywhere."""
-    return bool(np.nanmin(_least(cut), initial=0.0) < -_TIE)
-
-
-def _least(cut: ToolCut) -> NDArray:
-    return np.where(cut.samples.touches, cut.samples.comparison.least, np.nan).reshape(cut.grid.shape)
 
 
 def draw_flat_rule(save: Save) -> None:
@@ -117,11 +155,11 @@ def draw_flat_rule(save: Save) -> None:
         eta, 20.0 * np.sin(np.radians(eta)), color=TOOL, lw=2, label=r"$k = k_n / \sin\,\eta$: the bowl's level section"
     )
     axis.plot(
-        eta, 20.0 * np.cos(np.radians(eta)), color=GOUGE, lw=2, ls="--", label=r"as printed: $k = k_n / \cos\,\eta$"
+        eta, 20.0 * np.cos(np.radians(eta)), color=PART, lw=2, ls="--", label=r"as printed: $k = k_n / \cos\,\eta$"
     )
-    for value, colour in ((10.0, TOOL), (17.3, GOUGE)):
+    for value, colour in ((10.0, TOOL), (17.3, PART)):
         axis.plot([30.0], [value], "o", color=colour)
-        axis.annotate(f"{value:g} mm", (30.0, value), xytext=(8, -4), textcoords="offset points", fontsize=10)
+        axis.annotate(f"{value:g} mm", (30.0, value), xytext=(10, 3), textcoords="offset points", fontsize=10)
     axis.set_xlabel("η, angle of the normal from the axis [deg]")
     axis.set_ylabel("largest R of a flat end mill [mm]")
     axis.set_title("Khan 6.3: a flat end mill in a bowl of radius 20 mm", fontsize=12)

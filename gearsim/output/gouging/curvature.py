@@ -8,7 +8,7 @@ from math import ceil
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from gearsim.output.colours import GOUGE
 from gearsim.output.gear.style import plain
@@ -17,9 +17,12 @@ from gearsim.output.saving import Save
 
 TOOL, PART, OTHER = "#1b3a5c", "#c8791b", "#5b8e7d"
 _ALPHA = np.radians(np.linspace(0.0, 360.0, 721))
+_SPOKES = np.radians(np.arange(0.0, 360.0, 45.0))
 _COLUMNS = 3
 _WIDE, _HIGH = 4.6, 8.4  # inches of a contact
 _HEAD = 0.55
+_ZERO: dict[str, Any] = {"color": "0.35", "lw": 0.9, "ls": "--"}  # no curvature
+_BACK = {"fc": "w", "lw": 0, "alpha": 0.7, "pad": 0.4}  # behind numbers
 Curve = Callable[[NDArray], NDArray]
 
 
@@ -61,25 +64,33 @@ def draw_curvatures(plots: Sequence[CurvaturePlot], heading: str, zero: str, nam
     width, height = max(_WIDE * columns, 7.6), _HIGH * bands + _HEAD
     figure = pyplot().figure(figsize=(width, height))
 
-    def place(middle: float, bottom: float, size: tuple[float, float], **options: Any) -> Any:
+    def place(middle: float, bottom: float, size: tuple[float, float]) -> Any:
         box = (middle - 0.5 * size[0]) / width, bottom / height, size[0] / width, size[1] / height
-        return figure.add_axes(box, **options)
+        return figure.add_axes(box)
 
-    for k, plot in enumerate(plots):
+    for k, (plot, (low, high)) in enumerate(zip(plots, ranges(plots), strict=True)):
         band, column = divmod(k, columns)
         middle, bottom = width * (column + 0.5) / columns, height - _HEAD - _HIGH * (band + 1)
-        low, high = _range(plot)
-        _polar(place(middle, bottom + 4.05, (3.3, 3.3), projection="polar"), plot, low, high)
+        _polar(place(middle, bottom + 3.75, (3.9, 3.9)), plot, low, high)
         _cartesian(place(middle + 0.2, bottom + 1.05, (3.55, 2.3)), plot, low, high, zero)
     figure.suptitle(heading, fontsize=13, weight="bold", y=1.0 - 0.2 / height, va="top")
     save(figure, name, 110)
 
 
 def _curves(plot: CurvaturePlot) -> list[tuple[str, NDArray, str, float]]:
-    """Name, values, colour and line width of the curves to be drawn."""
+    """Name, values, colour and line width of the curves to be drawn; the part's is seen beside one that hides it."""
     colours = (PART, OTHER)
-    parts = [(p.name, p.values(), colours[i % 2], 2.0) for i, p in enumerate(plot.parts)]
-    return parts if plot.rim is not None else [*parts, ("tool", plot.tool(_ALPHA), TOOL, 2.0)]
+    parts = [(p.name, p.values(), colours[i % 2], 3.6) for i, p in enumerate(plot.parts)]
+    return parts if plot.rim is not None else [*parts, ("tool", plot.tool(_ALPHA), TOOL, 1.6)]
+
+
+def ranges(plots: Sequence[CurvaturePlot]) -> list[tuple[float, float]]:
+    """From where to where curvatures are drawn: alike for all contacts of the same part."""
+    own = [_range(plot) for plot in plots]
+    parts = [np.concatenate([p.values() for p in plot.parts]) for plot in plots]
+    if not all(p.shape == parts[0].shape and np.allclose(p, parts[0], equal_nan=True) for p in parts):
+        return own
+    return [(min(low for low, _ in own), max(high for _, high in own))] * len(own)
 
 
 def _range(plot: CurvaturePlot) -> tuple[float, float]:
@@ -90,26 +101,63 @@ def _range(plot: CurvaturePlot) -> tuple[float, float]:
 
 
 def _polar(axis: Any, plot: CurvaturePlot, low: float, high: float) -> None:
-    """Radius: curvature; the centre lies at the least of it, the dashed circle is 0."""
+    """Radius: curvature; the centre lies below the least of it, the dashed circle is 0.
+
+    On plain axes: those of polar plots take several times as long.
+    """
+    from matplotlib.collections import LineCollection, PolyCollection
+
     floor = low - 0.25 * (high - low)
-    for start, end in plot.arcs:
-        turn = np.radians(np.linspace(start, end, max(2, int(end - start) + 2)))
-        axis.fill_between(turn, floor, high, color=GOUGE, alpha=0.2, lw=0)
-    for name, values, colour, width in _curves(plot):
-        axis.plot(_ALPHA, values, color=colour, lw=width, label=name)
+
+    def at(angle: NDArray, curvature: ArrayLike) -> NDArray:
+        return ((np.asarray(curvature) - floor) / (high - floor) * np.stack([np.cos(angle), np.sin(angle)])).T
+
+    turns = [np.radians(np.linspace(start, end, 91)) for start, end in plot.arcs]
+    wedges = [np.vstack([[0.0, 0.0], at(turn, high)]) for turn in turns]
+    axis.add_collection(PolyCollection(wedges, facecolors=GOUGE, alpha=0.2, linewidths=0))
+    steps = _round_steps(low, high)
+    thin = [*(at(_ALPHA, value) for value in steps), *(at(np.full(2, a), [floor, high]) for a in _SPOKES)]
+    axis.add_collection(LineCollection(thin, colors="0.88", linewidths=0.6))
+    axis.plot(*at(_ALPHA, high).T, color="0.7", lw=0.9)
+    for _, values, colour, width in _curves(plot):
+        axis.plot(*at(_ALPHA, values).T, color=colour, lw=width)
     if plot.rim is not None:
-        axis.plot(np.radians([90.0, 270.0]), [plot.rim] * 2, "o", color=TOOL, ms=6, label="tool's rim")
+        axis.plot(*at(np.radians([90.0, 270.0]), plot.rim).T, "o", color=TOOL, ms=6)
     if low < 0.0:
-        axis.plot(_ALPHA, 0.0 * _ALPHA, color="0.35", lw=0.9, ls="--")
+        axis.plot(*at(_ALPHA, 0.0).T, **_ZERO)
     for border in plot.borders:
-        axis.plot([border] * 2, [floor, high], color="k", lw=1.1)
-    axis.set_ylim(floor, high)
-    axis.set_thetagrids(range(0, 360, 45))
-    axis.set_rgrids(_round_steps(low, high), angle=22.5, fontsize=7, color="0.3")
-    axis.tick_params(labelsize=8, pad=1)
-    axis.grid(color="0.88", lw=0.6)
-    axis.spines["polar"].set_color("0.7")
-    axis.set_title(f"{plot.title}\n{plot.decision}", fontsize=10, y=1.12)
+        axis.plot(*at(np.full(2, border), [floor, high]).T, color="k", lw=1.1)
+    _polar_numbers(
+        axis, 1.11 * at(_SPOKES, high), at(np.full(len(steps), _free_angle(plot, floor, high)), steps), steps
+    )
+    axis.set(xlim=(-1.18, 1.18), ylim=(-1.18, 1.18))
+    axis.set_axis_off()
+    axis.set_title(f"{plot.title}\n{plot.decision}", fontsize=10, y=1.02)
+
+
+def _polar_numbers(axis: Any, about: NDArray, on: NDArray, steps: NDArray) -> None:
+    """Directions ``about`` the circle and curvatures ``on`` their rings, places of shape (n, 2)."""
+    for angle, (x, y) in zip(np.degrees(_SPOKES), about, strict=True):
+        axis.text(x, y, f"{angle:.0f}°", fontsize=8, ha="center", va="center")
+    decimals = max(0, -int(np.floor(np.log10(steps[1] - steps[0]) + 1e-9))) if len(steps) > 1 else 2
+    for value, (x, y) in zip(steps, on, strict=True):
+        text = f"{value:.{decimals}f}".replace("-", "−")
+        axis.text(x, y, text, fontsize=7, color="0.3", ha="center", va="center", bbox=_BACK)
+
+
+def _free_angle(plot: CurvaturePlot, floor: float, high: float) -> float:
+    """The direction [rad] in which curves, borders and spokes leave most room to the rings' numbers."""
+    radii = _round_steps(floor + 0.2 * (high - floor), high)
+    tries = np.radians(np.arange(4.5, 360.0, 9.0))
+    room = np.full(len(tries), np.inf)
+    for _, values, _, _ in _curves(plot):
+        near = np.interp((tries[:, None] + np.radians([-4.0, 0.0, 4.0])) % (2.0 * np.pi), _ALPHA, values)
+        apart = np.abs(near[..., None] - radii) / (high - floor)
+        room = np.minimum(room, np.nanmin(apart, axis=(1, 2), initial=1.0))
+    for line in (*plot.borders, *_SPOKES):
+        off = np.abs((tries - line + np.pi) % (2.0 * np.pi) - np.pi)
+        room = np.minimum(room, 0.5 * off)
+    return float(tries[int(np.argmax(room))])
 
 
 def _cartesian(axis: Any, plot: CurvaturePlot, low: float, high: float, zero: str) -> None:
@@ -119,16 +167,16 @@ def _cartesian(axis: Any, plot: CurvaturePlot, low: float, high: float, zero: st
         axis.plot(np.degrees(_ALPHA), values, color=colour, lw=width, label=name)
     if plot.rim is not None:
         axis.plot([90.0, 270.0], [plot.rim] * 2, "o", color=TOOL, ms=6, label="tool's rim")
-    for border in plot.borders:
-        axis.axvline(np.degrees(border) % 360.0, color="k", lw=1.1)
-    axis.axhline(0.0, color="0.35", lw=0.9, ls="--")
+    for k, border in enumerate(plot.borders):
+        axis.axvline(np.degrees(border) % 360.0, color="k", lw=1.1, label=None if k else "border")
+    axis.axhline(0.0, label="0" if low < 0.0 else None, **_ZERO)
     axis.set_xlim(0.0, 360.0)
     axis.set_ylim(low if low < 0.0 else -0.04 * high, high)
     axis.set_xticks(range(0, 361, 45))
     axis.set_xlabel(f"direction α [deg] from {zero}", fontsize=9)
     axis.set_ylabel("normal curvature [1/mm]", fontsize=9)
     plain(axis)
-    axis.legend(fontsize=8, loc="upper center", bbox_to_anchor=(0.5, -0.22), frameon=False, ncols=4)
+    axis.legend(fontsize=8, loc="upper center", bbox_to_anchor=(0.5, -0.22), frameon=False, ncols=4, columnspacing=1.4)
 
 
 def _round_steps(low: float, high: float) -> NDArray:

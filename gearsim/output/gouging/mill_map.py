@@ -19,25 +19,49 @@ _NONE = "0.85"
 
 
 def draw_sizes(sizes: SizeChoice, title: str, notes: list[str], name: str, save: Save) -> None:
-    """One map: a region a mill, coloured by the radius that varies, with the numbers where they have room."""
+    """One map: a region a mill, coloured by the radius that varies, with the numbers where they have room.
+
+    Where the answer is everywhere the same it is a sentence.
+    """
+    mills, index = regions(sizes)
+    if len(mills) <= 1 and (index == index.flat[0]).all():
+        _say(title, [*notes, _everywhere(mills)], name, save)
+        return
     figure = pyplot().figure(figsize=(_WIDTH, _HEIGHT))
     left, bottom, width, height = _MAP
     axis = figure.add_axes((left / _WIDTH, bottom / _HEIGHT, width / _WIDTH, height / _HEIGHT))
-    mills, index = regions(sizes)
     what, shown, words = _told(mills)
     raster = index[np.ix_(_nearest(sizes.grid.height, height), _nearest(sizes.grid.length, width))]
-    if len(mills):
-        _draw_regions(figure, axis, sizes, raster, shown, what)
-        _number(axis, raster, words, shown)
+    _draw_regions(figure, axis, sizes, raster, shown, what)
+    _number(axis, raster, words, shown)
     axis.set_facecolor(_NONE)
-    if (index < 0).any() and len(mills):
+    if (index < 0).any():
         axis.text(0.01, -0.075, "grey: none fits", transform=axis.transAxes, fontsize=9, color="0.25")
     axis.set_xlabel("u [share of the domain]")
     axis.set_ylabel("v [share of the domain]")
-    axis.set_title(what if len(mills) else "no mill fits anywhere", fontsize=10, loc="left")
-    figure.text(left / _WIDTH, 1.0 - 0.35 / _HEIGHT, title, fontsize=13, weight="bold")
-    figure.text(left / _WIDTH, 1.0 - 0.45 / _HEIGHT, "\n".join(notes), fontsize=9, va="top")
+    axis.set_title(what, fontsize=10, loc="left")
+    _head(figure, title, notes)
     save(figure, name)
+
+
+def _head(figure: Any, title: str, lines: list[str]) -> None:
+    width, height = figure.get_size_inches()
+    figure.text(_MAP[0] / width, 1.0 - 0.35 / height, title, fontsize=13, weight="bold")
+    figure.text(_MAP[0] / width, 1.0 - 0.45 / height, "\n".join(lines), fontsize=9, va="top")
+
+
+def _say(title: str, lines: list[str], name: str, save: Save) -> None:
+    """A picture of words alone."""
+    figure = pyplot().figure(figsize=(_WIDTH, 0.65 + 0.18 * len(lines)))
+    _head(figure, title, lines)
+    save(figure, name)
+
+
+def _everywhere(mills: NDArray) -> str:
+    if not len(mills):
+        return "at no point of the surface a mill of the catalogue fits"
+    shank, corner = mills[0]
+    return f"at every point of the surface the same is the largest: R = {shank:g} mm, r = {corner:g} mm"
 
 
 def regions(sizes: SizeChoice) -> tuple[NDArray, NDArray]:
@@ -84,7 +108,7 @@ def _number(axis: Any, raster: NDArray, words: list[str], shown: NDArray) -> Non
     """Every region's text where it has room; white on dark."""
     em = _FONT / 72.0 / _PIXEL
     box = (round(1.1 * em), round(0.66 * em * (1 + max(map(len, words)))))
-    dark = shown < 0.5 * (shown.min() + shown.max())
+    dark = shown <= 0.5 * (shown.min() + shown.max())
     rows, columns = raster.shape
     for i, j in label_places(raster, box):
         mill = raster[i, j]
