@@ -71,7 +71,7 @@ def add_mesh(
 
     ``width`` [pixels] is that of lines.
     """
-    actor = _actor(_with_normals(shape, sharp) if smooth else shape, ambient, diffuse)
+    actor = _actor(with_normals(shape, sharp) if smooth else shape, ambient, diffuse)
     style = actor.GetProperty()
     style.SetColor(*rgb(colour))
     style.SetOpacity(opacity)
@@ -96,7 +96,7 @@ def add_map(
         table.SetTableValue(k, (*map(float, shade), 1.0))
     table.SetTableRange(-limit, limit)
     table.SetNanColor(*rgb(missing), 1.0)
-    actor = _actor(_with_normals(shape, False) if smooth else shape, ambient, diffuse)
+    actor = _actor(with_normals(shape, False) if smooth else shape, ambient, diffuse)
     mapper = actor.GetMapper()
     mapper.SetLookupTable(table)
     mapper.SetScalarRange(-limit, limit)
@@ -117,7 +117,8 @@ def _actor(shape: Any, ambient: float, diffuse: float) -> Any:
     return actor
 
 
-def _with_normals(shape: Any, sharp: bool) -> Any:
+def with_normals(shape: Any, sharp: bool) -> Any:
+    """A mesh that is shaded over its edges wherever it is added; ``sharp``: not over those where it bends sharply."""
     from vtkmodules.vtkFiltersCore import vtkPolyDataNormals
 
     normals = vtkPolyDataNormals()

@@ -5,9 +5,9 @@ A view is a VTK renderer. Its lengths are shares of its width and height, from i
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from textwrap import wrap
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -27,33 +27,65 @@ _FONT = 18  # pixels
 _CHARACTER = 9.5  # pixels of a letter, about
 
 
-def aim(
-    view: Any, points: NDArray, way: ArrayLike, up: ArrayLike, text: str, foot: float = _FOOT
-) -> None:  # fmt: skip
-    """Look at points, shape (n, 3), against ``way``, so that all are in the view; a text above, a scale bar below.
+class Look(NamedTuple):
+    """What a view shows: points, shape (n, 3), seen against ``way`` with ``up`` up, a text above, a scale bar below.
 
     ``foot`` is the share of the view's height that is kept free below.
     """
-    points = points.reshape(-1, 3)
-    points = points[np.isfinite(points).all(axis=1)]
-    toward, right, top = _frame(np.asarray(way, dtype=float), np.asarray(up, dtype=float))
-    across, along = points @ right, points @ top
-    width, height = view.GetSize()
-    aspect, free = width / height, 1.0 - foot - _HEAD
-    half = 0.5 * _ROOM * max(float(np.ptp(along)) / free, float(np.ptp(across)) / aspect, 1e-9)
-    middle = 0.5 * (along.min() + along.max()) - half * (foot - _HEAD)
-    far = 2.0 * float(np.linalg.norm(np.ptp(points, axis=0)))
-    focus = right * 0.5 * (across.min() + across.max()) + top * middle + toward * float(np.mean(points @ toward))
-    camera = view.GetActiveCamera()
-    camera.SetPosition(*(focus + far * toward))
+
+    view: Any
+    points: NDArray
+    way: ArrayLike
+    up: ArrayLike
+    text: str
+    foot: float = _FOOT
+
+
+def aim(
+    view: Any, points: NDArray, way: ArrayLike, up: ArrayLike, text: str, foot: float = _FOOT
+) -> None:  # fmt: skip
+    """Look at points so that all are in the view; arguments as of Look."""
+    aim_alike([Look(view, points, way, up, text, foot)])
+
+
+def aim_alike(looks: Sequence[Look]) -> None:
+    """Look so that all points are in their views, and all views have one scale."""
+    half = max(_half(look) for look in looks)
+    for look in looks:
+        _aim(look, half)
+
+
+def _seen(look: Look) -> tuple[NDArray, NDArray]:
+    """The points that exist along the frame's axes, (n, 3), and the frame's rows: toward the eye, right, top."""
+    points = look.points.reshape(-1, 3)
+    frame = np.array(_frame(np.asarray(look.way, dtype=float), np.asarray(look.up, dtype=float)))
+    return points[np.isfinite(points).all(axis=1)] @ frame.T, frame
+
+
+def _half(look: Look) -> float:
+    """Half the height [mm] of a view in which everything has room."""
+    width, height = look.view.GetSize()
+    _, across, along = np.ptp(_seen(look)[0], axis=0)
+    return 0.5 * _ROOM * max(float(along) / (1.0 - look.foot - _HEAD), float(across) / (width / height), 1e-9)
+
+
+def _aim(look: Look, half: float) -> None:
+    """Look at the middle of what is seen, ``half`` [mm] of it above and below."""
+    (seen, frame), (width, height) = _seen(look), look.view.GetSize()
+    middle = 0.5 * (seen.min(axis=0) + seen.max(axis=0)) - [0.0, 0.0, half * (look.foot - _HEAD)]
+    middle[0] = np.mean(seen[:, 0])
+    far = 2.0 * float(np.linalg.norm(np.ptp(seen, axis=0)))
+    focus = middle @ frame
+    camera = look.view.GetActiveCamera()
+    camera.SetPosition(*(focus + far * frame[0]))
     camera.SetFocalPoint(*focus)
-    camera.SetViewUp(*top)
+    camera.SetViewUp(*frame[2])
     camera.ParallelProjectionOn()
     camera.SetParallelScale(half)
-    view.ResetCameraClippingRange()
-    _add_scale(view, 2.0 * half * aspect)
-    for line, told in enumerate(wrap(text, round(width / _CHARACTER))):
-        _add_text(view, 0.02, 1.0 - _LINE * (line + 0.85), told)
+    look.view.ResetCameraClippingRange()
+    _add_scale(look.view, 2.0 * half * width / height)
+    for line, told in enumerate(wrap(look.text, round(width / _CHARACTER))):
+        _add_text(look.view, 0.02, 1.0 - _LINE * (line + 0.85), told)
 
 
 def add_legend(view: Any, entries: Mapping[str, str]) -> float:

@@ -13,7 +13,8 @@ from gearsim.output.files import staged
 from gearsim.output.gear import budget, inspection
 from gearsim.output.gear.budget import error_budget
 from gearsim.output.gear.draw import _at
-from gearsim.output.gear.whole import _along, layers
+from gearsim.output.gear.strips import strips
+from gearsim.output.gear.whole import layers
 from gearsim.output.gear.words import exactly, order, size
 from gearsim.output.programs import duration
 from gearsim.output.report import report_text
@@ -23,7 +24,6 @@ from gearsim.output.write import write_result
 from gearsim.processes.run import run
 from gearsim.scene import load_scene
 from gearsim.scene.cylindrical_paths import GearPathTable
-from gearsim.simulation.intervals import IntervalSet
 
 PICTURES = {
     "inspection.png", "gear.png", "section.png", "deviation.png", "topography.png", "profile.png", "helix.png",
@@ -235,23 +235,42 @@ def test_words():
     assert order([1.0, 0.5], [4.0, 0.0]) is None
 
 
-def test_places_along_dexels_know_material_and_the_nearest_end():
-    first, lo, hi = np.array([0, 2, 2, 3]), np.array([1.0, 4.0, 0.0]), np.array([2.0, 4.0 + 1e-7, 8.0])
-    made = np.array([5, 5, -1]), np.array([5, 5, -1])
-    place = np.array([0.5, 1.25, 6.0])
-    inside, near = _along(IntervalSet(first, lo, hi, *made), place, 40.0, False)
-    assert inside.tolist() == [[False, True, False], [False] * 3, [True] * 3]
-    assert np.allclose(near[[0, 2]], [[0.5, 0.25, 4.0], [0.5, 1.25, 2.0]])
-    assert (near[1] > 10.0).all()
-    assert (_along(IntervalSet(first, lo, hi, *made), place, 40.0, True)[1][2] > 10.0).all()
-
-
-def test_the_picture_s_body_is_as_large_as_the_tri_dexel(result):
-    data = layers(result, [result.measurements["", "program", "transverse section"]])
-    bundle = result.measurements["", "program", "tri-dexel"].bundles[0]
-    inside = (data["body:field"][1:-1, 1:-1, 2:-2] > 0.0).sum() * data["body:step"].prod()
-    assert inside == pytest.approx(bundle.left_volume, rel=0.05)
-    assert data["section:share"].min() >= 0.0
-    assert data["section:share"].max() <= 1.0 + 1e-9
+def test_the_pictures_section_is_as_large_as_what_is_left(result):
+    found = result.measurements["", "program", "transverse section"]
+    data, section = layers(result, [found]), found.section
+    apart = float(np.diff(section.y).mean())
+    left = apart * float((section.left.hi - section.left.lo).sum())
+    assert area(data["section:quads"]) == pytest.approx(left, rel=0.01)
+    gear = result.job.part.patch("left").gear
+    assert 0.02 * left < area(data["space:quads"]) < 3.0 * left / gear.count
+    assert data["space:quads"][..., 0].min() > 0.0
     assert np.allclose(_at(np.array([[1.0, 0.0, 0.0]]), -3.0, data | {"gear:twist": 0.1, "section:z": -5.0})[0, :2],
                        [np.cos(0.2), np.sin(0.2)])  # fmt: skip
+
+
+def area(quads):
+    x, y = np.moveaxis(quads, -1, 0)
+    return 0.5 * float(np.abs((x * np.roll(y, -1, axis=1) - y * np.roll(x, -1, axis=1)).sum(axis=1)).sum())
+
+
+def test_strips_join_the_ends_of_neighbouring_rays():
+    """A trapezoid whose sides are almost parallel to the rays, cut at rays a tenth apart: no steps, the right area."""
+    y = np.arange(0.05, 1.0, 0.1)
+    found = strips(y, np.arange(10), 0.0 * y, 1.0 + 20.0 * y)
+    assert len(found.quads) == 9 + 2  # and half a strip at either end
+    assert area(found.quads) == pytest.approx(11.0, abs=1e-9)
+    slopes = np.diff(found.edges[11:20], axis=1)[:, 0]
+    assert np.allclose(slopes[:, 0] / slopes[:, 1], 20.0)
+    assert np.isclose(np.ptp(found.edges[..., 1]), 1.0)
+
+
+def test_strips_end_where_material_forks_begins_or_ends():
+    y = np.array([0.0, 1.0, 2.0, 3.0])
+    ray, low, high = np.array([0, 1, 1, 3]), np.array([0.0, 0.0, 7.0, 0.0]), np.array([10.0, 3.0, 10.0, 3.0])
+    found = strips(y, ray, low, high)
+    assert len(found.quads) == 8  # two halves of each: nothing is joined over a fork or a ray without material
+    assert area(found.quads) == pytest.approx(10.0 + 3.0 + 3.0 + 3.0)
+    touching = strips(y[:2], np.array([0, 1]), np.array([0.0, 2.0]), np.array([2.0, 4.0]))
+    assert len(touching.quads) == 4  # what only meets in a point is not joined
+    none = np.empty(0)
+    assert [len(part) for part in strips(y, none.astype(int), none, none)] == [0, 0]

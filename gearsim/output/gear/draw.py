@@ -8,78 +8,82 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from gearsim.output.canvas import Canvas, add_map, add_mesh
+from gearsim.output.canvas import Canvas, add_map, add_mesh, with_normals
 from gearsim.output.draw_swept import tool_skin
-from gearsim.output.gear.style import NOISE_UM, unit_for
-from gearsim.output.meshes import joined, mesh, points_of, quads, run
-from gearsim.output.view import DEVIATION, STEEL, add_colours, add_legend, aim
+from gearsim.output.gear.style import NOISE_UM
+from gearsim.output.meshes import joined, mesh, points_of, quads
+from gearsim.output.view import DEVIATION, STEEL, Look, add_colours, add_legend, add_name, aim, aim_alike
 
 _TURN = np.radians(2.0)
-_LIFT = 0.03  # mm out of the tri-dexel's surface, so that the measured flanks are not drawn inside it
+_LIFT = 0.03  # mm out of the section's skin, so that the measured flanks are not drawn inside it
+_ENDS = "#9aa1ab"
+_FACING = 0.25  # cosine of the angle between a named flank's normal and the way to the eye, at least
 _TOOL = "#d8b26e"
 _LIGHT: dict[str, Any] = {"ambient": 0.35, "diffuse": 0.65}
-_ROUND: dict[str, Any] = {**_LIGHT, "smooth": True, "sharp": True}
 
 
 def draw_gear(data: dict[str, NDArray], surfaces: dict[str, Any], canvas: Canvas) -> None:
     """The whole gear with the tool in space 0; space 0 with its measured flanks, seen onto each of them."""
     whole, *spaces = canvas.views(3, size=(1650, 640))
-    skin, ends = _gear_body(data)
+    skin, ends = _gear_body(data, "section")
     tool = tool_skin(data["gear:profile"], data["gear:tip"], data["gear:axis"])
-    add_mesh(whole, skin, STEEL, **_ROUND)
+    add_mesh(whole, skin, STEEL, **_LIGHT)
     add_mesh(whole, ends, STEEL, **_LIGHT)
-    add_mesh(whole, tool, _TOOL, **_ROUND)
+    add_mesh(whole, tool, _TOOL, smooth=True, sharp=True, **_LIGHT)
     add_legend(whole, {"the gear": STEEL, "the tool": _TOOL})
     carried = "helix" if data["gear:twist"] else "axis"
     text = f"the section as cut, carried along the {carried}, and the tool"
     aim(whole, np.concatenate([points_of(skin), points_of(tool)]), *_ways(data), text)
-    body = _space_body(data)
+    um = np.concatenate([data[f"patch:{name}:deviation_um"].ravel() for name in surfaces])
+    limit, span = _limit(data, um)
+    body = _gear_body(data, "space")
+    shown = np.concatenate([points_of(shape) for shape in body])
+    looks = []
     for view, name in zip(spaces, surfaces, strict=True):
-        _add_space(view, body, data, surfaces, name)
+        way, up = _onto(data, name)
+        _add_space(view, body, data, surfaces, limit, way)
+        text = f"space 1, onto its {name} flank; neighbours in grey; {span}"
+        looks.append(Look(view, shown, way, up, text))
+    aim_alike(looks)
 
 
-def _add_space(view: Any, body: Any, data: dict[str, NDArray], surfaces: dict[str, Any], seen: str) -> None:
-    """Space 0 as its tri-dexel shows it, the measured flanks laid on it and coloured by their deviation."""
-    add_mesh(view, body, STEEL, **_ROUND)
-    um = np.concatenate([data[key].ravel() for key in data if key.endswith(":deviation_um")])
-    unit = unit_for(um)
-    limit = unit.per_um * max(float(np.nanmax(np.abs(um), initial=0.0)), NOISE_UM)
+def _limit(data: dict[str, NDArray], um: NDArray) -> tuple[float, str]:
+    """Where the colours end [um], and that in words: the tolerance, or where there is none the deviations' size."""
+    tolerance = float(data["gear:tolerance_um"])
+    largest = max(float(np.nanmax(np.abs(um), initial=0.0)), NOISE_UM)
+    limit, what = (tolerance, "tolerance") if np.isfinite(tolerance) else (largest, "deviations")
+    return limit, f"colours span the {what}, {limit:.3g} um either way"
+
+
+def _add_space(
+    view: Any, body: tuple[Any, Any], data: dict[str, NDArray], surfaces: dict[str, Any], limit: float, way: NDArray
+) -> None:  # fmt: skip
+    """Space 0 and its neighbours, the measured flanks laid on it and coloured by their deviation; those seen are named.
+
+    ``way`` to the eye.
+    """
+    skin, ends = body
+    add_mesh(view, skin, STEEL, **_LIGHT)
+    add_mesh(view, ends, _ENDS, **_LIGHT)
     for name in surfaces:
         points = data[f"patch:{name}:point"] + _LIFT * data[f"patch:{name}:normal"]
-        lifted = quads(points, {"shown": unit.per_um * data[f"patch:{name}:deviation_um"]})
-        add_map(view, lifted, "shown", limit, ambient=0.4, diffuse=0.6)
-    add_colours(view, limit, DEVIATION.replace("um", unit.name.replace("µ", "u")))
-    normal = np.nanmean(data[f"patch:{seen}:normal"].reshape(-1, 3), axis=0)
+        lifted = quads(points, {"deviation_um": data[f"patch:{name}:deviation_um"]})
+        add_map(view, lifted, "deviation_um", limit, ambient=0.55, diffuse=0.5)
+        if _normal(data, name) @ way > _FACING * np.linalg.norm(way):
+            add_name(view, points[points.shape[0] // 2, points.shape[1] // 2], f"{name} flank")
+    add_colours(view, limit, DEVIATION)
+
+
+def _normal(data: dict[str, NDArray], name: str) -> NDArray:
+    """A flank's mean normal, a unit vector."""
+    mean = np.nanmean(data[f"patch:{name}:normal"].reshape(-1, 3), axis=0)
+    return np.asarray(mean / np.linalg.norm(mean))
+
+
+def _onto(data: dict[str, NDArray], flank: str) -> tuple[NDArray, tuple[float, float, float]]:
+    """The way to an eye where the space opens, that looks down onto a flank; and up."""
     open_side = np.array([float(data["gear:sign"]), 0.0, 0.0])
-    way = open_side + 0.6 * normal / np.linalg.norm(normal) + np.array([0.0, 0.0, 0.6])
-    text = f"space 1 (tri-dexel), onto its {seen} flank"
-    aim(view, points_of(body), way, (0.0, 0.0, 1.0), text)
-
-
-def _space_body(data: dict[str, NDArray]) -> Any:
-    """The tri-dexel's surface between both faces of the gear."""
-    from vtkmodules.util.numpy_support import numpy_to_vtk
-    from vtkmodules.vtkCommonDataModel import vtkImageData, vtkPlane, vtkPlaneCollection
-    from vtkmodules.vtkFiltersCore import vtkFlyingEdges3D
-    from vtkmodules.vtkFiltersGeneral import vtkClipClosedSurface
-
-    grid, surface, clip, faces = vtkImageData(), vtkFlyingEdges3D(), vtkClipClosedSurface(), vtkPlaneCollection()
-    grid.SetDimensions(data["body:field"].shape)
-    grid.SetSpacing(*map(float, data["body:step"]))
-    grid.SetOrigin(*map(float, data["body:origin"]))
-    grid.GetPointData().SetScalars(numpy_to_vtk(data["body:field"].ravel(order="F"), deep=True))
-    surface.SetInputData(grid)
-    surface.SetValue(0, 0.0)
-    surface.ComputeNormalsOff()
-    surface.ComputeScalarsOff()
-    for z, way in ((-float(data["gear:facewidth"]), 1.0), (0.0, -1.0)):
-        plane = vtkPlane()
-        plane.SetOrigin(0.0, 0.0, z)
-        plane.SetNormal(0.0, 0.0, way)
-        faces.AddItem(plane)
-    clip.SetInputConnection(surface.GetOutputPort())
-    clip.SetClippingPlanes(faces)
-    return run(clip)
+    return open_side + 0.6 * _normal(data, flank) + np.array([0.0, 0.0, 0.6]), (0.0, 0.0, 1.0)
 
 
 def _ways(data: dict[str, NDArray]) -> tuple[NDArray, tuple[float, float, float]]:
@@ -87,77 +91,27 @@ def _ways(data: dict[str, NDArray]) -> tuple[NDArray, tuple[float, float, float]
     return np.array([0.62 * float(data["gear:sign"]), -0.35, 0.7]), (0.0, 0.0, 1.0)
 
 
-def _gear_body(data: dict[str, NDArray]) -> tuple[Any, Any]:
-    """The section between the faces, turned along the helix: the skin and both faces."""
-    inner, border, edge = _face(data)
-    levels = np.linspace(0.0, -float(data["gear:facewidth"]), _levels(data))
-    points, n = points_of(edge), edge.GetNumberOfPoints()
-    lines = _corners(edge.GetLines(), 2)
+def _gear_body(data: dict[str, NDArray], name: str) -> tuple[Any, Any]:
+    """Strips of the section between the faces, turned along the helix: the skin and both faces."""
+    points, lines = _numbered(data[f"{name}:edges"])
+    levels, n = np.linspace(0.0, -float(data["gear:facewidth"]), _levels(data)), len(points)
     upper = (np.arange(len(levels) - 1)[:, None, None] * n + lines).reshape(-1, 2)
-    strips = np.column_stack([upper, upper[:, ::-1] + n])
-    skin = mesh(np.concatenate([_at(points, z, data) for z in levels]), [strips])
-    ends = []
-    for z in levels[[0, -1]]:
-        ends.append(mesh(_at(inner, z, data), [np.arange(len(inner)).reshape(-1, 4)]))
-        ends.append(_moved(border, _at(points_of(border), z, data)))
-    return skin, joined(ends)
+    walls = np.column_stack([upper, upper[:, ::-1] + n])
+    skin = mesh(np.concatenate([_at(points, z, data) for z in levels]), [walls])
+    inner, faces = _numbered(data[f"{name}:quads"])
+    return with_normals(skin, True), joined(mesh(_at(inner, z, data), [faces]) for z in levels[[0, -1]])
 
 
-def _corners(cells: Any, each: int) -> NDArray:
-    """Point numbers of cells that have as many corners each."""
-    from vtkmodules.util.numpy_support import vtk_to_numpy
-
-    return np.asarray(vtk_to_numpy(cells.GetConnectivityArray())).reshape(-1, each)
-
-
-def _moved(shape: Any, points: NDArray) -> Any:
-    """A mesh with its points elsewhere."""
-    out = mesh(points)
-    out.SetPolys(shape.GetPolys())
-    return out
+def _numbered(corners: NDArray) -> tuple[NDArray, NDArray]:
+    """Points (n, 2), each once, and their numbers at the corners, shape (cells, corners), of cells (.., .., 2)."""
+    points, number = np.unique(np.round(corners.reshape(-1, 2), 9), axis=0, return_inverse=True)
+    return points, number.reshape(corners.shape[:2])
 
 
 def _levels(data: dict[str, NDArray]) -> int:
     """Rings of the skin: one for every few degrees that the helix turns."""
     turn = abs(float(data["gear:twist"]) * float(data["gear:facewidth"]))
     return 2 + ceil(turn / _TURN)
-
-
-def _face(data: dict[str, NDArray]) -> tuple[NDArray, Any, Any]:
-    """The section where the share of material is over a half: corners of quads, shape (4 n, 3), a
-    mesh of what the border cuts, and the border's lines.
-
-    Cells that are whole are joined along their rows: a face has some thousands of polygons, not some hundred thousands.
-    """
-    x, y, share = (data[f"section:{name}"] for name in ("x", "y", "share"))
-    inside = share > 0.5
-    corners = np.stack([inside[:-1, :-1], inside[1:, :-1], inside[1:, 1:], inside[:-1, 1:]])
-    whole = np.asarray(corners.all(axis=0))
-    cut = np.asarray(corners.any(axis=0)) & ~whole
-    steps = np.diff(np.pad(whole, ((0, 0), (1, 1))).astype(int), axis=1)
-    (row, first), (_, last) = np.nonzero(steps == 1), np.nonzero(steps == -1)
-    runs = np.stack([x[first], y[row], x[last], y[row], x[last], y[row + 1], x[first], y[row + 1]], axis=1)
-    inner = np.column_stack([runs.reshape(-1, 2), np.zeros(4 * len(row))])
-    return inner, *_border(x, y, share, cut)
-
-
-def _border(x: NDArray, y: NDArray, share: NDArray, cut: NDArray) -> tuple[Any, Any]:
-    """What of the cells that the border cuts is inside, and the border's lines."""
-    from vtkmodules.vtkFiltersCore import vtkClipPolyData, vtkContourFilter
-
-    row, column = np.nonzero(cut)
-    corner = row * len(x) + column
-    faces = np.stack([corner, corner + 1, corner + 1 + len(x), corner + len(x)], axis=1)
-    points = np.stack([*np.meshgrid(x, y), np.zeros(share.shape)], axis=-1).reshape(-1, 3)
-    used, faces = np.unique(faces, return_inverse=True)
-    cells = mesh(points[used], [faces.reshape(-1, 4)], values={"share": share.ravel()[used]})
-    cells.GetPointData().SetActiveScalars("share")
-    inside, border = vtkClipPolyData(), vtkContourFilter()
-    inside.SetValue(0.5)
-    border.SetValue(0, 0.5)
-    for made in (inside, border):
-        made.SetInputData(cells)
-    return run(inside), run(border)
 
 
 def _at(points: NDArray, z: float, data: dict[str, NDArray]) -> NDArray:

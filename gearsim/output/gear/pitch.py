@@ -9,14 +9,13 @@ import numpy as np
 
 from gearsim.metrology.gear_pitch import PitchResult, Runout
 from gearsim.output.colours import BAND, OUT
-from gearsim.output.gear.style import LIMIT, NOISE_UM, SIDE_COLOURS, SYMBOLS, Unit, plain, unit_for
+from gearsim.output.gear.style import LIMIT, MICROMETRES, NOISE_UM, SIDE_COLOURS, SYMBOLS, Unit, plain, unit_for
 from gearsim.output.panels import page
 from gearsim.output.saving import Save
 from gearsim.surfaces.cylindrical_gear import SIDES, Side
 
 _BAND_LIMIT = 3.0
 _NUMBERED = 8  # spaces, at most
-_MICROMETRES = Unit("µm", 1.0, 2)
 
 
 def draw_pitch(
@@ -44,7 +43,7 @@ def draw_pitch_panels(
     for row, (name, what, values, draw) in zip(axes, rows, strict=True):
         largest = float(np.nanmax(np.abs(np.concatenate(values)), initial=0.0))
         perfect = largest < NOISE_UM and bool(np.isfinite(np.concatenate(values)).any())
-        unit = _MICROMETRES if perfect else unit_for(np.concatenate(values))
+        unit = MICROMETRES if perfect else unit_for(np.concatenate(values))
         for axis, side, um in zip(row, SIDES, values, strict=True):
             if perfect:
                 axis.axhspan(-tolerances_um[name], tolerances_um[name], color=BAND, lw=0)

@@ -10,21 +10,36 @@ import numpy as np
 from gearsim.metrology.roughness import Roughness
 from gearsim.output.colours import BAND
 from gearsim.output.gear.style import LIMIT, MEAN, NOISE_UM, TRACE, Unit, plain, unit_for
-from gearsim.output.panels import page
+from gearsim.output.panels import Room, page
 from gearsim.output.saving import Save
 
 
 def draw_roughness(traces: Mapping[str, Roughness], title: str, save: Save) -> None:
-    """One row a trace, by its name: before the filter at the left, after it at the right, with the numbers."""
+    """One row a trace, by its name: before the filter at the left, after it at the right, with the numbers.
+
+    Traces that are flat are told.
+    """
     cutoff = next(iter(traces.values())).cutoff_mm
     heading = f"{title}   (Gaussian filter, cutoff λc = {cutoff:g} mm)"
-    figure, axes = page(len(traces), 2, (5.5, 1.5), title=heading)
-    for row, (name, trace) in zip(axes, traces.items(), strict=True):
+    drawn = {name: trace for name, trace in traces.items() if not _flat(trace)}
+    flat = ", ".join(name for name in traces if name not in drawn)
+    room = Room(top=1.2 if flat else 0.95)
+    figure, axes = page(max(len(drawn), 1), 2, (5.5, 1.5 if drawn else 0.1), room, heading)
+    for axis in axes.flat:
+        axis.set_visible(bool(drawn))
+    for row, (name, trace) in zip(axes, drawn.items(), strict=bool(drawn)):
         _before(row[0], name, trace)
         _after(row[1], trace)
     for axis in axes[-1]:
         axis.set_xlabel("along the surface [mm]", fontsize=9)
+    if flat:
+        told = f"flat to {1e3 * NOISE_UM:g} nm, not drawn: {flat}"
+        figure.text(0.5, 1.0 - 0.6 / figure.get_size_inches()[1], told, fontsize=10, ha="center")
     save(figure, "roughness.png", 130)
+
+
+def _flat(trace: Roughness) -> bool:
+    return bool(np.isfinite(trace.primary_um).all()) and float(np.ptp(trace.primary_um)) < NOISE_UM
 
 
 def _before(axis: Any, name: str, trace: Roughness) -> None:

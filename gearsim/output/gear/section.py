@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from gearsim.output.gear.strips import section_strips
 from gearsim.output.gear.style import SIDE_COLOURS
 from gearsim.output.panels import pyplot
 from gearsim.output.saving import Save
@@ -46,14 +47,10 @@ def draw_section(section: Section, gear: CylindricalGear, title: str, save: Save
 
 
 def _add_material(axis: Any, section: Section) -> None:
-    """A strip a stretch of material, as high as the rays are apart."""
     from matplotlib.collections import PolyCollection
 
-    left = section.left
-    half = 0.502 * float(np.diff(section.y).mean())
-    x0, x1, y = section.start + left.lo, section.start + left.hi, section.y[left.ray]
-    corners = np.stack([x0, y - half, x1, y - half, x1, y + half, x0, y + half], axis=1).reshape(-1, 4, 2)
-    axis.add_collection(PolyCollection(list(corners), facecolors=_METAL, linewidths=0, antialiaseds=False))
+    quads = section_strips(section).quads
+    axis.add_collection(PolyCollection(list(quads), facecolors=_METAL, linewidths=0, antialiaseds=False))
     axis.plot([], [], color=_METAL, lw=8, label="material left")
 
 

@@ -36,6 +36,9 @@ class Unit:
         return f"{value:{'+' if sign else ''}.{self.decimals}f}".replace("-", "−")
 
 
+MICROMETRES = Unit("µm", 1.0, 2)
+
+
 def unit_for(values_um: ArrayLike) -> Unit:
     """Nanometres where all values are below a micrometre, else micrometres."""
     largest = max(float(np.nanmax(np.abs(values_um), initial=0.0)), NOISE_UM)

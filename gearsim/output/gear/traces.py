@@ -7,7 +7,7 @@ right on right flanks, as if one looked at a tooth.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -15,7 +15,18 @@ from numpy.typing import NDArray
 
 from gearsim.metrology.gear_traces import GearTraces, TraceDeviations
 from gearsim.output.colours import BAND, OUT
-from gearsim.output.gear.style import LIMIT, MEAN, NOISE_UM, SYMBOLS, TRACE, Unit, evenly, round_text, unit_for
+from gearsim.output.gear.style import (
+    LIMIT,
+    MEAN,
+    MICROMETRES,
+    NOISE_UM,
+    SYMBOLS,
+    TRACE,
+    Unit,
+    evenly,
+    round_text,
+    unit_for,
+)
 from gearsim.output.gear.trace_labels import ROW, above, axis_labels, below
 from gearsim.output.panels import pyplot
 from gearsim.output.rounding import round_below
@@ -71,7 +82,10 @@ def draw_trace_panels(
 
 
 def _scale(traces: Any, tolerances_um: Mapping[str, float]) -> TraceScale:
-    """One scale for all drawn traces; the band is drawn unless it would make the traces flat."""
+    """One scale for all drawn traces; the band is drawn unless it would make the traces flat.
+
+    Traces that are perfect stand in the band, in micrometres: noise is not magnified.
+    """
     size, values, means, band = NOISE_UM, [], [], 0.0
     for t in traces:
         found = t.evaluated()
@@ -81,9 +95,11 @@ def _scale(traces: Any, tolerances_um: Mapping[str, float]) -> TraceScale:
         values += [found.slope_um[shown].ravel(), found.total_um[shown].ravel()]
         means += [_mean(found)[shown].ravel()]
         band = 0.5 * tolerances_um[f"F_{_LETTER[t.kind]}"]
-    fits = band <= _BAND_LIMIT * size
-    units = unit_for(np.concatenate(values)), unit_for(np.concatenate(means))
-    return TraceScale(1.05 * (max(size, band) if fits else size), *units, fits)
+    perfect = size <= NOISE_UM
+    fits = perfect or band <= _BAND_LIMIT * size
+    unit, mean = MICROMETRES if perfect else unit_for(np.concatenate(values)), unit_for(np.concatenate(means))
+    mean = replace(mean, decimals=max(mean.decimals - 1, 0))
+    return TraceScale(1.05 * (max(size, band) if fits else size), unit, mean, fits)
 
 
 def _panel(axis: Any, traces: GearTraces, tolerances_um: Mapping[str, float], scale: TraceScale, font: float) -> None:
@@ -181,7 +197,8 @@ def _evaluated(traces: GearTraces) -> NDArray:
 
 
 def _station(traces: GearTraces, k: int) -> str:
-    return f"{traces.stations[k]:.1f}".replace("-", "−")
+    place = traces.stations[k]
+    return f"{place:.{0 if abs(place) >= 100.0 else 1}f}".replace("-", "−")
 
 
 def _numbers(
