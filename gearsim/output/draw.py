@@ -10,12 +10,14 @@ from numpy.typing import NDArray
 from gearsim.output.canvas import Canvas, add_mesh
 from gearsim.output.colours import DARK
 from gearsim.output.meshes import joined, mesh, points_of, quads, run, segments
-from gearsim.output.view import STEEL, add_legend, aim
+from gearsim.output.slot import from_tip_to_tip, machined, place, seams
+from gearsim.output.view import STEEL, Look, add_legend, add_name, aim, aim_alike
 
 COLOURS = {"convex": "#e09f3e", "concave": "#4f8f79"}  # of passes; not those of overcut and excess
 _SIDES = (("convex", "concave"), ("concave", "convex"))
 _MATE = "#d8b26e"
 _ANGLES = 241  # of a blank: so many ends of its faces
+_LIGHT: dict[str, Any] = {"ambient": 0.35, "diffuse": 0.65}
 _LOWER = 0.45  # of the envelope, so that the slot is seen
 
 
@@ -34,7 +36,7 @@ def patch_meshes(data: dict[str, NDArray]) -> dict[str, Any]:
             "intended_normal": normal,
             "intended_point_mm": point,
         }
-        out[name] = quads(point + 1e-3 * np.nan_to_num(deviation)[..., None] * normal, values)
+        out[name] = quads(machined(data, name), values)
     return out
 
 
@@ -62,10 +64,13 @@ def draw_blanks(data: dict[str, NDArray], _: dict[str, Any], canvas: Canvas) -> 
     aim(view, points, (-160.0, -200.0, -212.0), (0.0, 0.0, -1.0), "blanks in mesh, a part cut away")
 
 
-def _add_slot(view: Any, surfaces: dict[str, Any], without: str = "") -> NDArray:
-    """The slot in steel; its points."""
+def _add_slot(view: Any, data: dict[str, NDArray], surfaces: dict[str, Any], without: str = "") -> NDArray:
+    """The slot in steel, with what lies between its patches; its points."""
     slot = joined(s for name, s in surfaces.items() if name != without)
-    add_mesh(view, slot, STEEL, smooth=True, ambient=0.3)
+    add_mesh(view, slot, STEEL, smooth=True, **_LIGHT)
+    if "tooth:names" in data:
+        patches = from_tip_to_tip([machined(data, str(name)) for name in data["tooth:names"] if name != without])
+        add_mesh(view, joined(seams(patches)), STEEL, smooth=True, **_LIGHT)
     return points_of(slot)
 
 
@@ -82,36 +87,33 @@ def onto(data: dict[str, NDArray], flank: str, other: str) -> tuple[NDArray, NDA
     up = data["view:up"]
     along = data["view:along"] - (data["view:along"] @ up) * up
     along = along / np.linalg.norm(along)
-    across = _middle(data, other) - _middle(data, flank)
+    across = place(data, other) - place(data, flank)
     across = across - (across @ up) * up - (across @ along) * along
     across = across / max(float(np.linalg.norm(across)), 1e-12)
     return 0.62 * up + 0.45 * along + 0.64 * across, up
 
 
-def _middle(data: dict[str, NDArray], name: str) -> NDArray:
-    """The point in a patch's middle."""
-    points = data[f"patch:{name}:point"]
-    return points[points.shape[0] // 2, points.shape[1] // 2]
-
-
 def draw_toolpaths(data: dict[str, NDArray], surfaces: dict[str, Any], canvas: Canvas) -> None:
     """Tool axes and tip curves of both passes in the slot, side by side."""
-    length = 0.6 * float(data["cutter:height"])
+    length, looks = 0.6 * float(data["cutter:height"]), []
     for view, (side, other) in zip(canvas.views(2), _SIDES, strict=True):
-        slot = _add_slot(view, surfaces)
+        slot = _add_slot(view, data, surfaces)
         tip, axis = data[f"path:{side}:tip"], data[f"path:{side}:axis"]
         add_mesh(view, segments(tip[:-1], tip[1:]), DARK, width=4.0)
         add_mesh(view, segments(tip, tip + length * axis), COLOURS[side], width=3.0)
         axes = f"{len(tip)} tool axes, {length:.3g} mm from the tip"
         add_legend(view, {axes: COLOURS[side], "path of the tool's tip": DARK, "machined slot": STEEL})
+        _name_flank(view, data, side)
         points = np.concatenate([slot, tip, tip + length * axis])
-        aim(view, points, *onto(data, side, other), f"pass for the {side} flank")
+        looks.append(Look(view, points, *onto(data, side, other), f"pass for the {side} flank"))
+    aim_alike(looks)
 
 
 def draw_envelopes(data: dict[str, NDArray], surfaces: dict[str, Any], canvas: Canvas) -> None:
     """Both branches of the cutter flank's untrimmed envelope, one view a pass."""
+    looks = []
     for view, (side, other) in zip(canvas.views(2), _SIDES, strict=True):
-        shown = [_add_slot(view, surfaces, without=side)]
+        shown = [_add_slot(view, data, surfaces, without=side)]
         for branch in ("plus", "minus"):
             points = data[f"envelope:{side}:{branch}"]
             points = points[:, : max(2, int(_LOWER * points.shape[1]))]
@@ -121,8 +123,16 @@ def draw_envelopes(data: dict[str, NDArray], surfaces: dict[str, Any], canvas: C
             shown.append(points.reshape(-1, 3))
         envelope = f"the envelope's lower {100.0 * _LOWER:.0f} %"
         add_legend(view, {envelope: COLOURS[side], "its border": DARK, "the slot's other surfaces": STEEL})
+        _name_flank(view, data, side)
         text = f"envelope of the {side} flank's pass, both branches"
-        aim(view, np.concatenate(shown), *onto(data, side, other), text)
+        looks.append(Look(view, np.concatenate(shown), *onto(data, side, other), text))
+    aim_alike(looks)
+
+
+def _name_flank(view: Any, data: dict[str, NDArray], name: str) -> None:
+    """A flank's name on it, and its ends'."""
+    for text, along in ((f"{name} flank", 0.5), ("toe", 0.06), ("heel", 0.94)):
+        add_name(view, place(data, name, along), text)
 
 
 def _edges(sheet: Any) -> Any:

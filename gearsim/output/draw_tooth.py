@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -11,10 +10,11 @@ from numpy.typing import NDArray
 from gearsim.output.canvas import Canvas, add_map, add_mesh
 from gearsim.output.draw import onto
 from gearsim.output.meshes import joined, points_of, quads
-from gearsim.output.view import DEVIATION, STEEL, add_colours, add_name, aim
+from gearsim.output.slot import from_tip_to_tip, machined, place, seams
+from gearsim.output.view import DEVIATION, STEEL, Look, add_colours, add_name, aim_alike
 
 _NEIGHBOURS = 1
-_COARSER = 6
+_COLUMNS = 33
 _NEAR_END = 0.1  # of the face
 _RIM = 0.3  # of the slot's depth: what is shown below it
 _LIGHT: dict[str, Any] = {"ambient": 0.35, "diffuse": 0.65}
@@ -29,15 +29,17 @@ def draw_tooth(data: dict[str, NDArray], surfaces: dict[str, Any], canvas: Canva
     slot = joined(surfaces[name] for name in names)
     body, ends = _body(data, names)
     points = np.concatenate([points_of(shape) for shape in (slot, body, ends)])
+    looks = []
     for view, shown, other in zip(canvas.views(2), (names[0], names[-1]), (names[-1], names[0]), strict=True):
         add_mesh(view, body, STEEL, smooth=True, sharp=True, **_LIGHT)
         add_mesh(view, ends, _ENDS, **_LIGHT)
         add_map(view, slot, "deviation_um", limit, **_PLAIN)
-        for name, along in ((shown, 0.5), ("toe", _NEAR_END), ("heel", 1.0 - _NEAR_END)):
-            add_name(view, _place(data, shown, along), name)
+        for name, along in ((f"{shown} flank", 0.5), ("toe", _NEAR_END), ("heel", 1.0 - _NEAR_END)):
+            add_name(view, place(data, shown, along), name)
         add_colours(view, limit, DEVIATION)
         text = f"onto the {shown} flank; neighbours in grey; {data['tooth:span']}"
-        aim(view, points, *onto(data, shown, other), text)
+        looks.append(Look(view, points, *onto(data, shown, other), text))
+    aim_alike(looks)
 
 
 def tooth_arrays(names: list[str], teeth: int, limit_um: float, span: str) -> dict[str, NDArray]:
@@ -48,46 +50,26 @@ def tooth_arrays(names: list[str], teeth: int, limit_um: float, span: str) -> di
     }  # fmt: skip
 
 
-def _place(data: dict[str, NDArray], name: str, along: float) -> NDArray:
-    """The point half way up a patch, at a share of its way from toe to heel."""
-    points = data[f"patch:{name}:point"]
-    return points[points.shape[0] // 2, round(along * (points.shape[1] - 1))]
-
-
 def _body(data: dict[str, NDArray], names: list[str]) -> tuple[Any, Any]:
     """The neighbouring slots, the lands between all and the seams of the slot in the middle; the ends of the teeth."""
-    patches = _from_tip_to_tip([_coarse(data[f"patch:{name}:point"]) for name in names])
-    slot = np.concatenate(patches)
+    slot = np.concatenate(from_tip_to_tip([_coarse(data[f"patch:{name}:point"]) for name in names]))
+    between = seams(from_tip_to_tip([machined(data, name) for name in names]))
     pitch = 2.0 * np.pi / float(data["tooth:teeth"])
     pitch *= min((1.0, -1.0), key=lambda s: float(np.nansum((_turned(slot[0], s * pitch) - slot[-1]) ** 2)))
     slots = [_turned(slot, k * pitch) for k in range(-_NEIGHBOURS, _NEIGHBOURS + 1)]
     middle, n = slots[_NEIGHBOURS], _NEIGHBOURS
     before, after = np.concatenate([*slots[:n], middle[:1]]), np.concatenate([middle[-1:], *slots[n + 1 :]])
-    seams = [quads(np.stack([a[-1], b[0]])) for a, b in pairwise(patches)]
     whole = np.concatenate(slots)
     base = _base(whole, data["view:centre"], data["view:up"])
     walls = (np.stack([whole[k], base[k]]) for k in (0, -1))
     faces = (np.stack([whole[:, k], base[:, k]]) for k in (0, -1))
-    return joined([quads(before), quads(after), *seams, *map(quads, walls)]), joined(map(quads, faces))
+    return joined([quads(before), quads(after), *between, *map(quads, walls)]), joined(map(quads, faces))
 
 
 def _coarse(points: NDArray) -> NDArray:
-    columns = np.unique(np.append(np.arange(0, points.shape[1], _COARSER), points.shape[1] - 1))
-    return points[:, columns]
-
-
-def _from_tip_to_tip(patches: list[NDArray]) -> list[NDArray]:
-    """Neighbouring patches, (rows, columns, 3) each, their rows turned about so that they follow one another."""
-
-    def apart(a: NDArray, b: NDArray) -> float:
-        return float(np.nansum((a - b) ** 2))
-
-    first, second = patches[0], patches[1]
-    to_first_row, to_last_row = (min(apart(first[k], second[j]) for j in (0, -1)) for k in (0, -1))
-    out = [first[::-1] if to_first_row < to_last_row else first]
-    for patch in patches[1:]:
-        out.append(patch[::-1] if apart(out[-1][-1], patch[-1]) < apart(out[-1][-1], patch[0]) else patch)
-    return out
+    """A patch with no more columns than make its edges look smooth."""
+    columns = points.shape[1]
+    return points[:, np.unique(np.round(np.linspace(0, columns - 1, min(columns, _COLUMNS))).astype(int))]
 
 
 def _base(points: NDArray, centre: NDArray, up: NDArray) -> NDArray:

@@ -102,3 +102,25 @@ def test_perfect_pitches_stand_in_the_tolerance_band(texts, tmp_path, monkeypatc
     expected = [found.tolerances_um[name] for name in ("f_p", "f_p", "F_p", "F_p")]
     assert np.allclose([high for _, high in limits], 1.2 * np.array(expected))
     assert sum(text == "[µm]" for text, _ in texts[0]) == 4
+
+
+def test_perfect_traces_stand_in_the_tolerance_band(texts, tmp_path):
+    found = inspection(gear_of())
+    for traces in found.helix.values():
+        traces.deviation_um[:] = 1e-10
+    draw_traces(found.helix, found.gear, found.tolerances_um, "helix", "a.png", Save(tmp_path))
+    written = [text for text, _ in texts[0]]
+    assert sum(text in ("1 µm", "2 µm", "5 µm", "10 µm") for text in written) == 2  # the scale bars
+    assert any("(band)" in text for text in written)
+    assert not any("[nm]" in text and "mean" not in text for text in written)
+
+
+def test_flat_roughness_is_told_not_drawn(texts, tmp_path):
+    x = np.linspace(0.0, 9.0, 901)
+    rough, flat = measure_roughness(x, np.abs(np.sin(4.0 * x)), 1), measure_roughness(x, 0.0 * x, 1)
+    draw_roughness({"a": rough, "b": flat, "c": flat}, "roughness", Save(tmp_path))
+    draw_roughness({"b": flat}, "roughness", Save(tmp_path))
+    assert {"a", "flat to 0.1 nm, not drawn: b; c"} <= {text for text, _ in texts[0]}
+    assert "b" not in {text for text, _ in texts[0]}
+    assert [text for text, _ in texts[1]][-1] == "flat to 0.1 nm, not drawn: b"
+    assert not any(list(overlaps(page)) for page in texts)

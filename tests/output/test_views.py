@@ -4,8 +4,10 @@ from matplotlib import colormaps
 
 from gearsim.output.canvas import Canvas, add_map, add_mesh
 from gearsim.output.colours import DIVERGING, EXCESS, OVERCUT, diverging, rgb
+from gearsim.output.draw_swept import _close_to, tool_skin
 from gearsim.output.meshes import joined, points_of, quads, segments, values_of
-from gearsim.output.view import add_legend, aim
+from gearsim.output.slot import from_tip_to_tip, machined, seams
+from gearsim.output.view import Look, add_legend, aim, aim_alike
 
 POINTS = np.random.default_rng(3).uniform(size=(200, 3)) * [40.0, 8.0, 3.0]
 SQUARE = np.stack([*np.meshgrid([0.0, 1.0, 2.0], [0.0, 1.0]), np.zeros((2, 3))], axis=-1)
@@ -46,6 +48,40 @@ def test_everything_is_in_the_view_above_its_foot(view, way):
     assert np.abs(places).max() < 1.0
     assert places[:, 1].min() > -1.0 + 2.0 * 0.3
     assert np.ptp(places, axis=0).max() > 1.1  # and fills it
+
+
+def test_views_side_by_side_have_one_scale(canvas):
+    views = canvas.views(2)
+    looks = [Look(v, f * POINTS, (1.0, 0.2, 0.4), (0.0, 0.0, 1.0), "") for v, f in zip(views, (1.0, 0.3), strict=True)]
+    aim_alike(looks)
+    one, other = (v.GetActiveCamera().GetParallelScale() for v in views)
+    assert one == other
+    assert np.ptp(seen(views[0], POINTS), axis=0).max() > 1.1
+    assert np.abs(seen(views[1], 0.3 * POINTS)).max() < 1.0
+
+
+def test_of_a_tool_that_dwarfs_its_cut_the_part_about_it_is_shown():
+    outline = np.array([[100.0, 0.0], [101.0, 0.0], [101.0, 5.0], [100.0, 5.0]])
+    tool = tool_skin(outline, np.zeros(3), np.array([0.0, 0.0, 1.0]))
+    cut = np.array([100.0, 0.0, 0.0]) + POINTS
+    part = points_of(_close_to(cut, tool))
+    assert 0 < len(part) < 0.3 * len(points_of(tool))
+    assert np.linalg.norm(part - cut.mean(axis=0), axis=1).max() < 40.0
+    assert _close_to(10.0 * cut, tool) is tool
+
+
+def test_seams_join_patches_row_to_row_whichever_way_they_lie():
+    rows = np.linspace(0.0, 1.0, 4)
+    patch = np.stack([*np.meshgrid(np.linspace(0.0, 3.0, 5), rows), np.zeros((4, 5))], axis=-1)
+    above, below = (np.add(patch, [0.0, y, 0.0]) for y in (1.1, -1.2))
+    ordered = from_tip_to_tip([above, patch[::-1], below])
+    assert [np.diff(p[:2, 0, 1])[0] < 0.0 for p in ordered] == [True] * 3
+    upper, lower = seams(ordered)
+    assert sorted(set(points_of(upper)[:, 1])) == pytest.approx([1.0, 1.1])
+    assert sorted(set(points_of(lower)[:, 1])) == pytest.approx([-0.2, 0.0])
+    data = {"patch:a:point": patch, "patch:a:normal": 0.0 * patch + [0.0, 0.0, 1.0],
+            "patch:a:deviation_um": np.where(patch[..., 0] > 2.9, np.nan, 2.0)}  # fmt: skip
+    assert np.unique(machined(data, "a")[..., 2]) == pytest.approx([0.0, 2e-3])
 
 
 def test_what_does_not_exist_is_not_looked_at(view):

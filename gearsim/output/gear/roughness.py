@@ -8,10 +8,11 @@ from typing import Any
 import numpy as np
 
 from gearsim.metrology.roughness import Roughness
-from gearsim.output.colours import BAND
 from gearsim.output.gear.style import LIMIT, MEAN, NOISE_UM, TRACE, Unit, plain, unit_for
 from gearsim.output.panels import Room, page
 from gearsim.output.saving import Save
+
+_EVALUATED = "0.93"
 
 
 def draw_roughness(traces: Mapping[str, Roughness], title: str, save: Save) -> None:
@@ -22,16 +23,16 @@ def draw_roughness(traces: Mapping[str, Roughness], title: str, save: Save) -> N
     cutoff = next(iter(traces.values())).cutoff_mm
     heading = f"{title}   (Gaussian filter, cutoff λc = {cutoff:g} mm)"
     drawn = {name: trace for name, trace in traces.items() if not _flat(trace)}
-    flat = ", ".join(name for name in traces if name not in drawn)
+    flat = "; ".join(name for name in traces if name not in drawn)
     room = Room(top=1.2 if flat else 0.95)
     figure, axes = page(max(len(drawn), 1), 2, (5.5, 1.5 if drawn else 0.1), room, heading)
-    for axis in axes.flat:
-        axis.set_visible(bool(drawn))
     for row, (name, trace) in zip(axes, drawn.items(), strict=bool(drawn)):
         _before(row[0], name, trace)
         _after(row[1], trace)
     for axis in axes[-1]:
         axis.set_xlabel("along the surface [mm]", fontsize=9)
+        if not drawn:
+            axis.remove()
     if flat:
         told = f"flat to {1e3 * NOISE_UM:g} nm, not drawn: {flat}"
         figure.text(0.5, 1.0 - 0.6 / figure.get_size_inches()[1], told, fontsize=10, ha="center")
@@ -55,7 +56,7 @@ def _after(axis: Any, trace: Roughness) -> None:
     """The roughness profile; the evaluation length shaded, its sections divided."""
     unit = unit_for(trace.roughness_um)
     if trace.sections:
-        axis.axvspan(trace.first, trace.last, color=BAND, lw=0)
+        axis.axvspan(trace.first, trace.last, color=_EVALUATED, lw=0)
         for edge in np.linspace(trace.first, trace.last, trace.sections + 1):
             axis.axvline(edge, color=LIMIT, lw=0.6, ls=":")
     axis.plot(trace.position, unit.per_um * trace.roughness_um, color=TRACE, lw=0.9)

@@ -47,16 +47,15 @@ def draw_cuts(
     height = figure.get_size_inches()[1]
     for k, line in enumerate(told):
         figure.text(0.5, 1.0 - (0.55 + 0.2 * k) / height, line, fontsize=10, ha="center")
-    for panel in axes.flat:
-        panel.set_visible(False)
-    for panels, row in zip(axes, rows, strict=bool(rows)):
+    for panels, row in zip(axes, rows or [[]], strict=True):
         limits = shared_limits([limit_of(1e3 * cuts[name].deviation.value) for name, _ in row], [0] * len(row))
         for panel, (name, causes), limit in zip(panels, row, limits, strict=False):
-            panel.set_visible(True)
             if causes:
                 _causes(panel, cuts[name], tolerance)
             else:
                 _deviation(panel, cuts[name], labels[name], limit, tolerance)
+        for panel in panels[len(row) :]:
+            panel.remove()
     save(figure, "gouging.png")
 
 

@@ -182,6 +182,8 @@ def layers(result: Result, found: Sequence[GougingMeasurement]) -> dict[str, NDA
         named = m.surface if m.variant == result.job.main else f"{m.surface} {number_ + 1} {m.variant}"
         arrays |= patch_arrays(m.cut.grid, m.cut.deviation, named)
         arrays[f"gouge:{named}:profile"] = outline(m.cut.cutter)
+        tolerance = result.job.part.surfaces[m.surface].tolerance
+        arrays[f"gouge:{named}:tolerance_um"] = np.array(0.0 if tolerance is None else tolerance.overcut_um)
         arrays[f"gouge:{named}:label"] = np.array(f"{m.variant}: {tool_words(m.cut.cutter)}")
         tip = np.full(3, np.nan)
         if drawn is not None:

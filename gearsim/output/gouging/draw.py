@@ -9,25 +9,30 @@ from numpy.typing import NDArray
 
 from gearsim.output.canvas import Canvas, add_map, add_mesh
 from gearsim.output.meshes import points_of, segments, values_of
-from gearsim.output.view import DEVIATION, STEEL, add_colours, aim
+from gearsim.output.view import DEVIATION, STEEL, Look, add_colours, aim_alike
 
 _SHOWN = 2
 _TOOL = "#3d4752"
 
 
 def draw_surfaces(data: dict[str, NDArray], surfaces: dict[str, Any], canvas: Canvas) -> None:
-    """The surface under the first tools side by side, coloured by deviation, with the tool at the plotted contact."""
-    names = list(surfaces)[:_SHOWN]
+    """The surface under the first tools side by side, coloured by deviation, with the tool at the plotted contact.
+
+    Colours span the deviations, or the tolerance where these are smaller.
+    """
+    names, looks = list(surfaces)[:_SHOWN], []
     for view, name in zip(canvas.views(len(names)), names, strict=True):
         um = values_of(surfaces[name], "deviation_um")
-        limit = max(float(np.nanmax(np.abs(um), initial=0.0)), 1e-3)
-        add_map(view, surfaces[name], "deviation_um", limit, missing=STEEL, smooth=True, ambient=0.4, diffuse=0.6)
+        limit = max(float(np.nanmax(np.abs(um), initial=1e-3)), float(data[f"gouge:{name}:tolerance_um"]))
+        add_map(view, surfaces[name], "deviation_um", limit, missing=STEEL, smooth=True, ambient=0.55, diffuse=0.5)
         add_colours(view, limit, DEVIATION)
         shown, tip = [points_of(surfaces[name])], data[f"gouge:{name}:tip"]
         if np.isfinite(tip).all():
             shown.append(_add_tool(view, data[f"gouge:{name}:profile"], tip, float(np.max(shown[0][:, 2]))))
         way = _way(data[f"patch:{name}:normal"])
-        aim(view, np.concatenate(shown), way, (0.0, 0.0, 1.0), str(data[f"gouge:{name}:label"]))
+        text = f"{data[f'gouge:{name}:label']}, at the plotted contact"
+        looks.append(Look(view, np.concatenate(shown), way, (0.0, 0.0, 1.0), text))
+    aim_alike(looks)
 
 
 def _add_tool(view: Any, profile: NDArray, tip: NDArray, top: float) -> NDArray:
