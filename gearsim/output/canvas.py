@@ -8,10 +8,10 @@ from typing import Any
 import numpy as np
 
 from gearsim.output.colours import DARK, diverging, rgb
+from gearsim.output.png import write_png
 
 _SIZE = (1300, 780)
 _SAMPLES = 4  # a pixel: edges look smooth, and a processor has less to draw than for the usual 8
-_PNG_LEVEL = 4  # of zlib's 9
 _BEFORE = 400.0  # steps of depth: lines on a surface are drawn before it, from either side
 _SHARP = 30.0  # deg between neighbours that meet in an edge
 
@@ -46,21 +46,20 @@ class Canvas:
 
     def save(self, file: Path) -> None:
         """Draw the page and write it. Raises OSError where nothing was written."""
-        from vtkmodules.vtkIOImage import vtkPNGWriter
+        from vtkmodules.util.numpy_support import vtk_to_numpy
         from vtkmodules.vtkRenderingCore import vtkWindowToImageFilter
 
         self._window.Render()
-        pixels, writer = vtkWindowToImageFilter(), vtkPNGWriter()
+        pixels = vtkWindowToImageFilter()
         pixels.SetInput(self._window)
         pixels.SetInputBufferTypeToRGB()
         pixels.ReadFrontBufferOff()
         pixels.ShouldRerenderOff()
-        writer.SetInputConnection(pixels.GetOutputPort())
-        writer.SetCompressionLevel(_PNG_LEVEL)
-        writer.SetFileName(str(file))
-        writer.Write()
-        if not file.exists():
-            raise OSError(f"no picture could be written to {file.name}")
+        pixels.Update()
+        picture = pixels.GetOutput()
+        width, height, _ = picture.GetDimensions()
+        rows = vtk_to_numpy(picture.GetPointData().GetScalars()).reshape(height, width, 3)
+        write_png(rows[::-1], file)
 
 
 def add_mesh(

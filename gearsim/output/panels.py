@@ -35,10 +35,11 @@ def page(rows: int, columns: int, panel: tuple[float, float], room: Room = _USUA
 
 
 def pyplot() -> Any:
-    """Matplotlib without a screen."""
+    """Matplotlib without a screen; letters are not fitted to pixels, which at these sizes shows in their cost alone."""
     import matplotlib as mpl
 
     mpl.use("Agg")
+    mpl.rcParams["text.hinting"] = "none"
     import matplotlib.pyplot as plt
 
     return plt

@@ -43,5 +43,5 @@ def texts(monkeypatch):
         outside = [t for t, b in seen[-1] if min(b.x0, b.y0) < 0 or b.x1 > page.x1 or b.y1 > page.y1]
         assert not outside
 
-    monkeypatch.setattr("gearsim.output.saving.write_png", look)
+    monkeypatch.setattr("gearsim.output.saving.draw_png", look)
     return seen

@@ -96,8 +96,8 @@ def test_perfect_pitches_stand_in_the_tolerance_band(texts, tmp_path, monkeypatc
     found, limits = inspection(gear_of()), []
     for pitch in found.pitch.values():
         pitch.single_um[:], pitch.cumulative_um[:] = 1e-10, 0.0
-    look = saving.write_png
-    monkeypatch.setattr(saving, "write_png", lambda f, *a: (limits.extend(x.get_ylim() for x in f.axes), look(f, *a)))
+    look = saving.draw_png
+    monkeypatch.setattr(saving, "draw_png", lambda f, *a: (limits.extend(x.get_ylim() for x in f.axes), look(f, *a)))
     draw_pitch(found.pitch, found.runout, found.tolerances_um, "pitch", Save(tmp_path))
     expected = [found.tolerances_um[name] for name in ("f_p", "f_p", "F_p", "F_p")]
     assert np.allclose([high for _, high in limits], 1.2 * np.array(expected))

@@ -53,6 +53,7 @@ def draw_pitch_panels(
         _same_scale(row, 1.2 * tolerances_um[name] if perfect else unit.per_um * NOISE_UM)
     for axis in axes[1]:
         axis.set_xlabel("space", fontsize=font)
+        _number_spaces(axis, len(pitch["left"].single_um))
 
 
 def _labels(axis: Any, what: str, found: float, unit: Unit, tolerance: float, font: float) -> None:
@@ -63,8 +64,8 @@ def _labels(axis: Any, what: str, found: float, unit: Unit, tolerance: float, fo
         color=OUT if out else "k", weight="bold" if out else "normal",
     )  # fmt: skip
     axis.set_ylabel(f"[{unit.name}]", fontsize=font)
-    plain(axis)
-    axis.tick_params(labelsize=0.9 * font)
+    axis.locator_params(axis="y", nbins=4)
+    plain(axis, 0.9 * font)
 
 
 def _bars(axis: Any, um: Any, unit: Unit, side: Side, tolerance: float) -> None:
@@ -80,7 +81,7 @@ def _bars(axis: Any, um: Any, unit: Unit, side: Side, tolerance: float) -> None:
     axis.add_collection(PolyCollection(list(bars), facecolors=list(colours), linewidths=0))
     axis.autoscale_view()
     axis.axhline(0.0, color="0.3", lw=0.7)
-    _number_spaces(axis, len(y))
+    axis.set(xlim=(0.3, len(y) + 0.7), xticks=[])
 
 
 def _line(axis: Any, um: Any, unit: Unit, side: Side, tolerance: float) -> None:
@@ -94,13 +95,12 @@ def _line(axis: Any, um: Any, unit: Unit, side: Side, tolerance: float) -> None:
             axis.axhline(level, color=LIMIT, lw=0.7, ls=":")
     axis.plot(np.arange(1, len(y) + 1), y, "o-", color=SIDE_COLOURS[side], lw=1.2, ms=3.5)
     axis.axhline(0.0, color="0.3", lw=0.7)
-    _number_spaces(axis, len(y))
+    axis.set(xlim=(0.3, len(y) + 0.7), xticks=[])
 
 
 def _number_spaces(axis: Any, count: int) -> None:
     step = next(s for s in (1, 2, 5, 10, 20, 50, 100) if count <= _NUMBERED * s)
-    axis.set_xticks([1, *range(step if step > 1 else 2, count + 1, step)])
-    axis.set_xlim(0.3, count + 0.7)
+    axis.set_xticks([1, *range(2 * step if step > 1 else 2, count + 1, step)])
 
 
 def _same_scale(axes: Sequence[Any], least: float) -> None:

@@ -7,9 +7,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from gearsim.output.gear.strips import section_strips
+from gearsim.output.gear.strips import Strips, section_strips
 from gearsim.output.gear.style import SIDE_COLOURS
-from gearsim.output.panels import pyplot
+from gearsim.output.panels import Room, page
 from gearsim.output.saving import Save
 from gearsim.simulation.section import Section
 from gearsim.surfaces.cylindrical_gear import SIDES, CylindricalGear
@@ -17,40 +17,42 @@ from gearsim.surfaces.involute import InvoluteFlank
 
 _METAL, _LINE = "#c9ced6", "0.25"
 _POINTS = 81
+_ROWS = 900  # of rays in the picture of the whole gear
+_ROOM = Room(left=0.7, right=0.2, bottom=0.85, top=0.75, across=0.6)
 
 
 def draw_section(section: Section, gear: CylindricalGear, title: str, save: Save) -> None:
     """The whole gear at the left, space 0 and its neighbours at the right."""
-    plt = pyplot()
-    figure, (whole, near) = plt.subplots(1, 2, figsize=(15, 8.3), constrained_layout=True)
-    for axis, width in ((whole, 0.5), (near, 1.1)):
-        _add_material(axis, section)
+    pitch = float(np.diff(section.y).mean())
+    heading = (
+        f"{title}: transverse section as cut at z = {f'{section.z:g}'.replace('-', '−')} mm"
+        f"   ({len(section.y)} rays along x, {pitch:.3g} mm apart)"
+    )
+    figure, ((whole, near),) = page(1, 2, (6.9, 6.9), _ROOM, heading)
+    reach, (x, y) = 1.04 * abs(section.start), _zoom(gear, section)
+    strips = (
+        section_strips(section, max(1, len(section.y) // _ROWS)),
+        section_strips(section, 1, x, (y[0] - pitch, y[1] + pitch)),
+    )
+    limits = ((-reach, reach), (-reach, reach)), (x, y)
+    for axis, width, shown, (across, up) in zip((whole, near), (0.5, 1.1), strips, limits, strict=True):
+        _add_material(axis, shown)
         _add_circles(axis, gear, width)
         _add_involutes(axis, gear, section.z, width)
-        axis.set_aspect("equal")
-        axis.set_xlabel("x [mm]")
+        axis.set(xlabel="x [mm]", xlim=across, ylim=up, aspect="equal")
         axis.tick_params(labelsize=9)
     whole.set_ylabel("y [mm]")
-    whole.set_title("whole gear", fontsize=11, loc="left")
-    reach = 1.04 * abs(section.start)
-    whole.set(xlim=(-reach, reach), ylim=(-reach, reach))
-    _zoom(near, gear, section)
-    near.set_title("space 1", fontsize=11, loc="left")
-    figure.legend(*near.get_legend_handles_labels(), loc="outside lower center", ncols=6, fontsize=9, frameon=False)
-    pitch = float(np.diff(section.y).mean())
-    figure.suptitle(
-        f"{title}: transverse section as cut at z = {f'{section.z:g}'.replace('-', '−')} mm"
-        f"   ({len(section.y)} rays along x, {pitch:.3g} mm apart)\n",
-        fontsize=13, weight="bold",
-    )  # fmt: skip
+    whole.set_title("whole gear", fontsize=11, loc="left", y=1.0)
+    near.set_title("space 1", fontsize=11, loc="left", y=1.0)
+    figure.legend(*near.get_legend_handles_labels(), loc="lower center", ncols=6, fontsize=9, frameon=False)
     save(figure, "section.png", 130)
 
 
-def _add_material(axis: Any, section: Section) -> None:
+def _add_material(axis: Any, strips: Strips) -> None:
     from matplotlib.collections import PolyCollection
 
-    quads = section_strips(section).quads
-    axis.add_collection(PolyCollection(list(quads), facecolors=_METAL, linewidths=0, antialiaseds=False))
+    shown: dict[str, Any] = {"facecolors": _METAL, "linewidths": 0, "antialiaseds": False}
+    axis.add_collection(PolyCollection(list(strips.quads), **shown), autolim=False)
     axis.plot([], [], color=_METAL, lw=8, label="material left")
 
 
@@ -86,10 +88,10 @@ def _turned(points: NDArray, angle: NDArray) -> NDArray:
     return np.stack([cos * x - sin * y, sin * x + cos * y], axis=-1)
 
 
-def _zoom(axis: Any, gear: CylindricalGear, section: Section) -> None:
-    """A square around space 0."""
+def _zoom(gear: CylindricalGear, section: Section) -> tuple[tuple[float, float], tuple[float, float]]:
+    """The ends in x and in y of a square around space 0."""
     angle = float(gear.space_centre(0, section.z))
     middle = 0.5 * (gear.tip_radius + gear.root_radius)
     half = max(0.62 * gear.pitch_angle * middle, 0.75 * abs(gear.tip_radius - gear.root_radius))
     x, y = middle * np.cos(angle), middle * np.sin(angle)
-    axis.set(xlim=(x - half, x + half), ylim=(y - half, y + half))
+    return (x - half, x + half), (y - half, y + half)

@@ -57,8 +57,8 @@ def evenly(items: int, most: int) -> list[int]:
     return [k * items // count for k in range(count)]
 
 
-def plain(axis: Any) -> None:
-    """Take away the frame's top and right and make the rest thin."""
+def plain(axis: Any, font: float = 8.0) -> None:
+    """Take away the frame's top and right and make the rest thin; ``font`` of its numbers."""
     axis.spines[["top", "right"]].set_visible(False)
     axis.spines[["left", "bottom"]].set_linewidth(0.7)
-    axis.tick_params(width=0.7, labelsize=8)
+    axis.tick_params(width=0.7, labelsize=font)
