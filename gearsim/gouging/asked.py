@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from gearsim.errors import InputError, read_input
 from gearsim.gouging.check import Asked
 from gearsim.gouging.standard_mills import khan_mills, metric_mills, ranked
+from gearsim.gouging.verdict import some
 from gearsim.surfaces.face import Face
 from gearsim.surfaces.nurbs_file import load_faces
 
@@ -32,7 +33,7 @@ def read_faces(name_or_path: str, number: int | None = None, flip: Sequence[str]
     if mine:
         turned = "as --flip turns it" if flip is not None else "behind the normal that the file's parameters give"
         notes.append(
-            f"the material side of {_some(mine)} is assumed, {turned}: the file has no solid there. "
+            f"the material side of {some(mine)} is assumed, {turned}: the file has no solid there. "
             "--flip turns all faces, --flip NAME one"
         )
     name = chosen[0].name if len(faces) == 1 and not assumed and chosen[0].side == "stated" else str(name_or_path)
@@ -51,10 +52,6 @@ def _flipped(faces: list[Face], names: Sequence[str] | None) -> list[Face]:
         replace(f, surface=replace(f.surface, flip=not f.surface.flip)) if not names or f.name in names else f
         for f in faces
     ]
-
-
-def _some(names: Sequence[str]) -> str:
-    return ", ".join(names[:4]) + (f" and {len(names) - 4} more" if len(names) > 4 else "")
 
 
 def read_mills(name_or_path: str) -> NDArray:

@@ -10,17 +10,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gearsim.cutters.profile import Profile
-from gearsim.errors import InputError, Status
-from gearsim.gouging.compare import TIE
+from gearsim.errors import InputError
 from gearsim.gouging.fitting import contacts_of, largest_for_all
-from gearsim.gouging.joins import Places, find_places, join_tolerance
+from gearsim.gouging.joins import find_places, join_tolerance
 from gearsim.gouging.junctions import Join, Junctions, junctions, least_at_sides, least_on_ridges
 from gearsim.gouging.khan.sizes import SideBySide
 from gearsim.gouging.lines import Lines, face_lines, longest_line
 from gearsim.gouging.looked import FaceLook, look
 from gearsim.gouging.prediction import Prediction, at_one
-from gearsim.gouging.sides import no_sides
 from gearsim.gouging.tool import cutter_tool
+from gearsim.gouging.verdict import doubts, headline, judge
 from gearsim.metrology.verdict import Verdict
 from gearsim.surfaces.face import Face
 
@@ -49,8 +48,9 @@ class GougeCheck:
 
     ``met``: where faces and pieces of faces meet, with the tool's least difference of curvature at every side and on
     every convex edge. ``whole``: one mill for everything (None: none reaches anything), limited at ``place`` [mm].
-    ``worst``: None where the tool reaches nothing. ``tolerance`` [mm]: how far apart faces still meet. ``skipped``:
-    what could not be read; ``left_out``: faces not asked for. ``notes``: what else a reader must know.
+    ``worst``: None where the tool reaches nothing. ``tolerance`` [mm]: how far apart faces still meet. ``doubts``: why
+    not everything could be judged. ``skipped``: what could not be read; ``left_out``: faces not asked for;
+    ``margin``: the share of every face left out at its borders. ``notes``: what else a reader must know.
     """
 
     name: str
@@ -70,9 +70,25 @@ class GougeCheck:
     whole: SideBySide | None
     place: tuple[float, ...]
     worst: TightPlace | None
+    doubts: tuple[str, ...]
     skipped: tuple[str, ...]
     left_out: int
+    margin: float
     notes: tuple[str, ...]
+
+    @property
+    def least_at_places(self) -> NDArray:
+        """The tool's least difference of curvature [1/mm] at each place of ``met``, inf where it touches none."""
+        least = np.full(self.met.places.count, np.inf)
+        sides, ridges = self.met.sides.place, self.met.ridges.side
+        for place, values in ((sides, self.at_sides), (sides[ridges], self.on_ridges)):
+            np.minimum.at(least, place, np.where(np.isnan(values), np.inf, values))
+        return least
+
+    @property
+    def headline(self) -> str:
+        """What the verdict says in words, with all that is known to be wrong and all that was not looked at."""
+        return headline(self)
 
     @property
     def exit_code(self) -> int:
@@ -113,7 +129,8 @@ def check_faces(
     contacts = contacts_of(looks, met, unit)
     whole = largest_for_all(contacts, mills)
     worst = _worst(looks, met, at_sides, on_ridges)
-    verdict, status = _verdict(asked, looks, met, at_sides, worst, margin)
+    reasons = doubts(asked, looks, met, at_sides, margin)
+    verdict, status = judge(worst, reasons)
     return GougeCheck(
         name=asked.name,
         device=device,
@@ -132,16 +149,17 @@ def check_faces(
         whole=whole,
         place=tuple(float(x) for x in contacts.place(whole.best.limiting)) if whole else (),
         worst=worst,
+        doubts=reasons,
         skipped=asked.skipped,
         left_out=asked.left_out,
+        margin=margin,
         notes=asked.notes,
     )
 
 
 def where_met(faces: Sequence[Face], lines: Sequence[Lines], margin: float) -> Junctions:
-    """Where faces and pieces of faces meet; nothing where a margin leaves out the borders."""
-    none = Places(no_sides(), 0, np.empty(0, bool), np.empty(0, bool))
-    places = find_places(faces, lines) if margin == 0.0 else none
+    """Where faces and pieces of faces meet; a margin leaves out the borders."""
+    places = find_places(faces, lines, borders=margin == 0.0)
     return junctions(places, np.array([f.side == "solid" for f in faces]))
 
 
@@ -195,31 +213,3 @@ _MEETS = {
     Join.TANGENT: "tangent join", Join.CONVEX: "convex edge", Join.CONCAVE: "concave corner",
     Join.DISAGREE: "join whose material sides disagree",
 }  # fmt: skip
-
-
-def _verdict(
-    asked: Asked, looks: Sequence[FaceLook], met: Junctions, at_sides: NDArray, worst: TightPlace | None, margin: float
-) -> tuple[Verdict, str]:
-    """Fail where anything gouges; unchecked where not everything was looked at or a side is in doubt."""
-    if worst is not None and worst.least < -TIE:
-        return "fail", Status.OK.name or "OK"
-    if worst is None:
-        return "unchecked", "the tool reaches no point: nothing was judged"
-    doubts = []
-    if asked.left_out:
-        doubts.append(f"{asked.left_out} faces of the file were not looked at (without --number all are)")
-    if asked.skipped:
-        doubts.append(f"{len(asked.skipped)} faces could not be read")
-    pairs = met.pairs
-    against = met.sides.face[pairs.touched[pairs.kind == Join.DISAGREE]]
-    if len(against):
-        names = ", ".join(looks[k].face.name for k in np.unique(against))
-        doubts.append(f"material lies on opposite sides of faces that meet: {names} (--flip NAME turns one)")
-    reached = np.unique(met.sides.face[np.isfinite(at_sides) | np.isinf(at_sides)])
-    hidden = [f.face for k, f in enumerate(looks) if not f.reached and k not in reached]
-    if any(f.side != "solid" for f in hidden):
-        names = ", ".join(f.name for f in hidden if f.side != "solid")
-        doubts.append(f"the tool reaches no point of {names}")
-    if margin > 0.0 and len(looks) > 1:
-        doubts.append("the margin leaves out where faces meet")
-    return ("unchecked", "; ".join(doubts)) if doubts else ("pass", Status.OK.name or "OK")

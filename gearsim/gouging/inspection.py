@@ -39,6 +39,7 @@ if TYPE_CHECKING:
     from gearsim.metrology.job import Job
 
 _CHECKED = 300
+_LEFT_MM = 1e-6
 _WORDS = {
     Cause.LOCAL: "gouges locally, where its curvature is predicted to be less than the part's",
     Cause.TIE: "overcuts where the curvatures tie",
@@ -107,6 +108,7 @@ class GougingInspection:
             tuple(chain.from_iterable(self._findings(variant.name, cut) for variant, cut in found)),
             tuple(chain.from_iterable(self._doubts(variant.name, cut) for variant, cut in found)),
             (self.surface,),
+            tuple(self._remarks(cuts[0])),
         )
 
     def _beside(self, job: Job, change: Change) -> Variant:
@@ -164,6 +166,25 @@ class GougingInspection:
             text = f"the {tool} {text} ({int(mine.sum())} samples)"
             own = tool == self.variant
             yield Finding(kind, self.surface, 1e3 * float(depth[worst]), (x, y, z), None, None, own, text)
+
+    def _remarks(self, cut: ToolCut) -> Iterator[str]:
+        """Where the judged tool does not come, what it leaves, and what was not looked at."""
+        away = int(np.count_nonzero(~np.isfinite(cut.path.touches.tip[:, 0])))
+        if away:
+            yield f"the {self.variant} reaches {len(cut.path) - away:,} of {len(cut.path):,} contacts of its passes"
+        size = cut.deviation.crossing.size
+        uncut = int(np.count_nonzero(cut.deviation.crossing == Crossing.UNCUT))
+        if uncut:
+            yield f"{uncut:,} of {size:,} samples are met by no cut within metrology.window_mm"
+        left = float(np.nanmax(cut.deviation.value, initial=0.0))
+        if left > _LEFT_MM:
+            yield f"up to {1e3 * left:.4g} um of material is left, which nothing is held against"
+        alone, near, touching = len(cut.rings.contact), int(cut.rings.near.sum()), int(cut.contacts.touches.sum())
+        if alone < touching or near:
+            tied = f", {near:,} of them too near a tie to tell" if near else ""
+            yield f"prediction and cut were compared at {alone:,} of {touching:,} contacts{tied}"
+        if self.margin > 0.0:
+            yield f"{100.0 * self.margin:g} % of the surface was left out at every edge"
 
     def _doubts(self, tool: str, cut: ToolCut) -> Iterator[str]:
         """Where the variant's own tool cuts nothing, or prediction, cut and search disagree."""

@@ -46,30 +46,31 @@ def join_tolerance(faces: Sequence[Face]) -> float:
     return float(np.clip(TOLERANCE * np.linalg.norm(np.ptp(corners, axis=0)), _FEWEST, _MOST))
 
 
-def find_places(faces: Sequence[Face], lines: Sequence[Lines]) -> Places:
-    """The places of all faces; ``lines``: where each is looked at."""
+def find_places(faces: Sequence[Face], lines: Sequence[Lines], borders: bool = True) -> Places:
+    """The places of all faces; ``lines``: where each is looked at. Without ``borders`` those on knot lines alone."""
     tolerance = join_tolerance(faces)
     found: list[Sides] = []
     border: list[NDArray] = []
     count = 0
     for k, (face, mine) in enumerate(zip(faces, lines, strict=True)):
-        for make, on_border in ((_inner, False), (_border, True)):
+        for make, on_border in ((_inner, False), (_border, True))[: 1 + borders]:
             sides, before = make(face, k, mine, count), count
             found.append(sides)
             count = int(sides.place.max(initial=count - 1)) + 1
             border.append(np.full(count - before, on_border))
     own = joined(found)
     edge = np.concatenate(border) if border else np.empty(0, bool)
-    others = _neighbours(faces, lines, own, edge, tolerance)
+    others = _neighbours(faces, lines, own, edge, tolerance) if borders else no_sides()
     joins = np.zeros(count, dtype=bool)
     joins[others.place] = True
     return Places(joined([own, others]), count, edge, joins)
 
 
 def _inner(face: Face, number: int, lines: Lines, first: int) -> Sides:
-    """Places on knot lines inside a face, and where they cross."""
+    """Places on knot lines inside a face, and where they cross, as far as it is looked at."""
     u, v = _on_breaks(face, lines, inner=True)
-    inside = face.holds_points(u, v)
+    (u0, u1), (v0, v1) = lines.ranges
+    inside = face.holds_points(u, v) & (u >= u0) & (u <= u1) & (v >= v0) & (v <= v1)
     u, v = u[inside], v[inside]
     return sides_about(face.surface, number, first + np.arange(len(u)), u, v, lines.breaks)
 

@@ -42,6 +42,11 @@ class FaceLook:
     tight: Prediction
 
     @property
+    def decision(self) -> NDArray:
+        """`Decision` of every point looked at, on the grid and between its lines, (n,); below zero: out of reach."""
+        return np.concatenate([self.samples.decision[self.held.ravel()], self.tight.decision])
+
+    @property
     def reached(self) -> bool:
         return bool(self.samples.touches.any() or self.tight.touches.any())
 

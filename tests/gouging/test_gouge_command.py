@@ -32,6 +32,8 @@ def test_a_surface_that_is_gouged(tmp_path, capsys):
     assert "R = 30, r = 14.1 mm" in shown
     report = json.loads((out / "report.json").read_text())
     assert report["gouging"] + report["tie"] + report["free"] + report["not_reached"] == report["points"]
+    assert report["headline"].startswith("it gouges at ")
+    assert f"**FAIL**: {report['headline']}." in (out / "report.md").read_text()
     assert report["spacing_mm"] <= 80.0 / 40.0 + 1e-9
     assert report["worst"]["least_difference_per_mm"] == pytest.approx(1.0 / 15.0 - 0.05 * np.sqrt(2.0), abs=1e-12)
     assert report["worst"]["place_mm"][0] == pytest.approx(5.0, abs=1e-5)

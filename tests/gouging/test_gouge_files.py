@@ -62,6 +62,45 @@ def test_a_drawing_scale_is_refused():
         read_faces(str(DATA / "scale_half.igs"))
 
 
+def test_a_margin_leaves_out_borders_and_no_crease_between_them():
+    """The groove's crease lies in the middle; with a margin it was not looked at, and a ball was let in."""
+    assert judged("vgroove.json", ("ball", "diameter_mm=8"), margin=0.02).verdict == GOUGES
+
+
+LOCAL = "local gouging alone: whether the tool hits the part beside its contact was not asked"
+
+
+@pytest.mark.parametrize(
+    ("name", "cutter", "options", "told"),
+    [
+        ("narrow_fillet.json", ("ball", "diameter_mm=2"), {}, ["it gouges at no place looked at", "places tie"]),
+        ("narrow_fillet.json", ("ball", "diameter_mm=12"), {}, ["it gouges at ", " points of ", "it is worst at ("]),
+        ("vgroove.json", ("ball", "diameter_mm=8"), {"margin": 0.02},
+         ["places on borders and where faces meet", "2 % of every face was left out at its borders"]),
+        ("facing_down.json", ("ball", "diameter_mm=12"), {}, ["the tool reaches no point: nothing was judged"]),
+        ("wall88.json", TAPERED, {}, ["the tool reaches no point"]),
+    ],
+)  # fmt: skip
+def test_the_headline_names_what_is_wrong_and_what_was_not_looked_at(name, cutter, options, told):
+    check = judged(name, cutter, **options)
+    assert all(words in check.headline for words in told), check.headline
+    assert check.headline.endswith(LOCAL)
+    assert ("gouges at no place" in check.headline) == (check.verdict == FREE)
+
+
+def test_faces_not_looked_at_are_named_beside_a_gouge_too():
+    asked = read_faces(str(DATA / "vgroove.json"))
+    short = replace(asked, left_out=374, skipped=("face 7: cannot be read",), notes=("a side is assumed",))
+    ridge = replace(asked.faces[0], surface=replace(asked.faces[0].surface, flip=not asked.faces[0].surface.flip))
+    for faces, verdict in ((asked.faces, GOUGES), ((ridge,), UNCHECKED)):
+        check = check_faces(
+            replace(short, faces=faces), read_cutter(["ball", "diameter_mm=8"]), metric_mills(), grid=16
+        )
+        assert check.verdict == verdict
+        for told in ("374 faces of the file were not looked at", "1 faces could not be read: face 7", "assumed"):
+            assert told in check.headline
+
+
 @pytest.mark.parametrize("grid", [2, 3, 7, 64])
 def test_a_narrow_fillet_is_found_on_every_grid(grid):
     found = check_faces(read_faces(str(DATA / "narrow_fillet.json")), read_cutter(["ball", "diameter_mm=12"]),
@@ -94,7 +133,7 @@ def test_the_command_says_spacing_side_and_why_it_did_not_judge(capsys, monkeypa
     assert main(["gouge", str(DATA / "facing_down.json"), "--cutter", "ball", "diameter_mm=12"]) == 3
     shown = capsys.readouterr().out
     assert "unchecked" in shown
-    assert "the tool reaches no point" in shown
+    assert "verdict: unchecked: the tool reaches no point: nothing was judged; " in shown
     if find_spec("OCP") is None:
         return
     in_process(monkeypatch)

@@ -106,6 +106,10 @@ def test_dropped_tools_never_touch_where_gouging_is_predicted():
     assert not cut.contacts.gouges.any()
     assert cut.made.cause.max() == Cause.NONE
     assert result.exit_code == 0
+    left = 1e3 * np.nanmax(cut.deviation.value)
+    assert f"up to {left:.4g} um of material is left, which nothing is held against" in result.headline
+    compared = f"compared at {len(cut.rings.contact):,} of {cut.contacts.touches.sum():,} contacts"
+    assert (compared in result.headline) == (len(cut.rings.contact) < cut.contacts.touches.sum())
 
 
 def test_straight_moves_are_as_near_as_their_nearest_instant():
@@ -126,6 +130,8 @@ def test_a_tool_that_cuts_no_sample_is_unchecked():
     assert not cut_with(result).deviation.measured.any()
     assert (result.verdict, result.exit_code) == ("unchecked", 3)
     assert "no operation touches the surface with the chosen tool" in result.status
+    assert "samples are met by no cut within metrology.window_mm" in result.headline
+    assert "10 % of the surface was left out at every edge" in result.headline
 
 
 def test_worked_examples_that_choose_none_are_refused():

@@ -20,7 +20,7 @@ from gearsim.output.gouging.check_maps import draw_faces, face_channels
 from gearsim.output.gouging.curvature import draw_curvatures
 from gearsim.output.gouging.plots import arcs_words, gouging_arcs, run_sheet
 from gearsim.output.gouging.words import size_notes, tool_words, whole_figures, whole_section
-from gearsim.output.markdown import pictures, table, write_report
+from gearsim.output.markdown import pictures, table, verdict, write_report
 from gearsim.output.saving import Save
 from gearsim.output.summary import SCHEMA_VERSION, number, write_json
 from gearsim.result import versions
@@ -38,6 +38,7 @@ def check_figures(check: GougeCheck) -> dict[str, Any]:
         "surface": check.name,
         "verdict": check.verdict,
         "status": check.status,
+        "headline": check.headline,
         "tool": tool_words(check.cutter),
         "tool_axis": [float(x) for x in check.axis],
         "device": check.device,
@@ -68,6 +69,7 @@ def print_check(check: GougeCheck, console: Console) -> None:
             console.print(line, markup=False)
     for line in _lines(check, figures):
         console.print(line, markup=False)
+    console.print(f"verdict: [{style}]{check.verdict}[/]: {escape(check.headline)}")
 
 
 def write_check(check: GougeCheck, stage: Path) -> None:
@@ -88,8 +90,7 @@ def write_check(check: GougeCheck, stage: Path) -> None:
 
 
 def _face(f: FaceLook) -> dict[str, Any]:
-    seen = (f.samples.decision[f.held.ravel()], f.tight.decision)
-    decision = np.concatenate(seen)
+    decision = f.decision
     values = np.concatenate([
         np.where(p.touches, p.comparison.least, np.inf) for p in (f.samples, f.tight)
     ])  # fmt: skip
@@ -109,10 +110,7 @@ def _face(f: FaceLook) -> dict[str, Any]:
 
 def _meetings(check: GougeCheck) -> dict[str, Any]:
     """Places on borders and knot lines by how the sides meet there, and at how many the tool gouges."""
-    met, kinds = check.met, check.met.kinds()
-    least = np.full(met.places.count, np.inf)
-    for place, values in ((met.sides.place, check.at_sides), (met.sides.place[met.ridges.side], check.on_ridges)):
-        np.minimum.at(least, place, np.where(np.isnan(values), np.inf, values))
+    kinds, least = check.met.kinds(), check.least_at_places
     names = {-1: "border", **{int(k): k.name.lower() for k in Join}}
     out: dict[str, Any] = {"tolerance_mm": check.tolerance}
     for kind, name in names.items():
@@ -191,8 +189,6 @@ def _table(figures: dict[str, Any]) -> list[str]:
 def _lines(check: GougeCheck, figures: dict[str, Any]) -> list[str]:
     """All that the counts do not say."""
     lines = []
-    if check.verdict == "unchecked":
-        lines.append(f"not judged: {check.status}")
     lines += [f"skipped: {s}" for s in check.skipped]
     if figures["worst"] is None:
         lines.append(
@@ -253,7 +249,8 @@ def _report(check: GougeCheck, figures: dict[str, Any], drawn: dict[str, str]) -
     lines = "".join(f"- {line}\n" for line in _lines(check, figures))
     faces = table(list(_HEADS), _rows(figures)) if len(check.looks) > 1 else ""
     return (
-        f"# {figures['surface']}\n\nThe {figures['tool']}: **{_answer(check)}**. {_counts(figures)}.\n\n{faces}\n"
+        f"# {figures['surface']}\n\n{verdict(figures)}.\n\n"
+        f"The {figures['tool']}: **{_answer(check)}**. {_counts(figures)}.\n\n{faces}\n"
         f"{lines}\nLocal gouging only: elsewhere on the surface the tool may still hit it; a scene of kind `nurbs` "
         "cuts and tells.\n" + pictures(drawn) + "\n" + whole_section(figures["tool_size"])
     )
