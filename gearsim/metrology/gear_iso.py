@@ -76,9 +76,15 @@ class GearProbing:
         }  # fmt: skip
         found = self._read(lines, deviations)
         doubts = tuple(_untouched(side, found.untouched[side]) for side in SIDES if found.untouched[side])
+        findings = tuple(self._beyond_class(found))
+        return Reading((GearMeasurement(self.variant, found),), findings, doubts, (), tuple(self._remarks()))
+
+    def _remarks(self) -> Iterator[str]:
         count, probed = self.probed.gear.count, len(self.spaces)
-        remarks = (f"{probed} of {count} spaces were probed, pitch was not judged",) if probed < count else ()
-        return Reading((GearMeasurement(self.variant, found),), tuple(self._beyond_class(found)), doubts, (), remarks)
+        if probed < count:
+            yield f"{probed} of {count} spaces were probed, pitch was not judged"
+        if probed > 1:
+            yield f"both roads measured space 1, one road alone the other {probed - 1} that were probed"
 
     def _read(self, lines: Mapping[Side, Probing], deviations: Mapping[Side, Deviation]) -> GearInspection:
         spaces, gear = self.spaces, self.probed.gear

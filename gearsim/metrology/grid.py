@@ -99,6 +99,11 @@ class GridInspection:
         """Where the surface is measured."""
         return sample_grid(job.part.patch(self.surface), self.rows, self.columns, self.margin, self.window)
 
+    def measurable(self, job: Job, grid: SampleGrid) -> NDArray[np.bool_]:
+        """Which samples of the grid lie on the machined surface of the generating motion, shape (rows, columns)."""
+        missing, trimmed = self._left_out(job, grid)
+        return np.asarray(~(missing | trimmed))
+
     def steps(self, job: Job) -> Steps[Reading]:
         grid = self.grid(job)
         missing, trimmed = self._left_out(job, grid)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Collection, Iterable, Sequence
 from typing import TYPE_CHECKING, Literal
 
 from gearsim.metrology.deviation import Crossing, Deviation
@@ -13,6 +13,7 @@ if TYPE_CHECKING:
     from gearsim.metrology.inspection import Reading
 
 Verdict = Literal["pass", "fail", "unchecked"]
+_NAMED = 4
 
 
 def untouched(surface: str, deviation: Deviation) -> list[str]:
@@ -45,6 +46,25 @@ def no_agreement(what: str, gap: RoadGap | None) -> list[str]:
         f"the two roads differ by {gap.max_um:.3g} um on {what} (limit {LIMIT_UM:g}); {gap.disagree} samples are cut "
         "by only one of them"
     ]
+
+
+def spaces_left(count: int, measured: Collection[int], cut: Collection[int]) -> tuple[list[str], list[str]]:
+    """What forbids trust, and what must be said, of a gear's spaces that no inspection measures by both roads.
+
+    Of ``count`` some are ``measured`` and others ``cut``, numbered from 0. What is judged in one space is judged in all
+    that the job cuts. Where it cuts one alone, the others are left to the same program and an indexing that is not
+    the job's: that is said. Where it cuts several and leaves others uncut, it cannot be told what was meant.
+    """
+    left = [k + 1 for k in range(count) if k not in measured and k not in cut]
+    told = ", ".join(map(str, left[:_NAMED])) + f" and {len(left) - _NAMED} more" * (len(left) > _NAMED)
+    doubts, remarks = [], []
+    if left and len(measured) + len(cut) == 1:
+        remarks.append(f"1 of {count} spaces is cut and judged: what indexing to the others adds is not in it")
+    elif left:
+        doubts.append(f"nothing cuts {len(left)} of {count} spaces ({told}), though others are cut: not judged")
+    if cut:
+        remarks.append(f"{len(cut)} of {count} spaces were measured by one road only")
+    return doubts, remarks
 
 
 def no_witness(checked: int, check_um: float) -> list[str]:

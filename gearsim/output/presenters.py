@@ -54,6 +54,7 @@ _GIVEN = {  # by inspections, where the measurements have other names
     "SpaceInspection": ("DexelMeasurement",),
     "RapidInspection": (),
     "HolderInspection": (),
+    "SpacesInspection": (),
 }
 _OF_THE_JOB = "motions"
 

@@ -13,6 +13,7 @@ from gearsim.metrology.grid import COARSE, GridInspection
 from gearsim.metrology.holder_check import HolderInspection
 from gearsim.metrology.inspection import Inspection
 from gearsim.metrology.job import Job
+from gearsim.metrology.other_spaces import SpacesInspection
 from gearsim.metrology.program_times import ProgramInspection
 from gearsim.metrology.rapid_check import RapidInspection
 from gearsim.metrology.tooth_check import ToothInspection
@@ -92,6 +93,9 @@ class _Plan:
         grids = tuple(self._dense(name) for name in self.part.surfaces)
         yield from grids
         yield from (self._coarse(side) for side in SIDES if side in self.part.surfaces)
+        count = self.scene.spaces()
+        if count > 1:
+            yield SpacesInspection(PROGRAM, count, tuple(grid for grid in grids if grid.judged))
         if self.box is not None:
             yield RapidInspection(PROGRAM, self.box, self.read.move)
             yield DexelInspection(PROGRAM, self.box, grids)

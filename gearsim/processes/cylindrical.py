@@ -19,6 +19,7 @@ from gearsim.metrology.grid import GridInspection
 from gearsim.metrology.holder_check import HolderInspection
 from gearsim.metrology.inspection import Inspection
 from gearsim.metrology.job import Job
+from gearsim.metrology.other_spaces import SpacesInspection
 from gearsim.metrology.program_times import ProgramInspection
 from gearsim.metrology.rapid_check import RapidInspection
 from gearsim.processes.claims import Claim, Involute
@@ -153,6 +154,8 @@ def _inspections(scene: CylindricalGearScene, probed: ProbedGear) -> Iterator[In
         for side in SIDES
     )
     yield from grids
+    if len(spaces) < gear.count:
+        yield SpacesInspection(PROGRAM, gear.count, grids, spaces)
     box = space_box(gear, scene.simulation.dexel_pitch_mm)
     yield RapidInspection(PROGRAM, box, "the rapid move of line {line}")
     if scene.holders():

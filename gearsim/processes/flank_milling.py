@@ -16,6 +16,7 @@ from gearsim.metrology.holder_check import HolderInspection
 from gearsim.metrology.inspection import Inspection
 from gearsim.metrology.job import Job
 from gearsim.metrology.mean_profile import ProfileInspection, Published
+from gearsim.metrology.other_spaces import SpacesInspection
 from gearsim.metrology.rapid_check import RapidInspection
 from gearsim.metrology.root import RootInspection
 from gearsim.motion.sources import CLMotion
@@ -167,6 +168,8 @@ def _inspections(
         yield HolderInspection(PROGRAM, tuple(dense), box)
     root = tuple(p.name for p in tooth.patches if p.part != "flank")
     yield RootInspection(root, PROGRAM, max(3, m.rows // 2), m.columns, m.margin, m.window)
+    roots = tuple(GridInspection(s, (PROGRAM,), (), max(3, m.rows // 2), m.columns, m.margin, m.window) for s in root)
+    yield SpacesInspection(PROGRAM, tooth.blank.teeth, tuple(dense), roots=roots)
     yield DexelInspection(PROGRAM, box, tuple(dense))
 
 

@@ -13,6 +13,7 @@ from gearsim.metrology.dexel_check import DexelInspection, slot_box
 from gearsim.metrology.grid import GridInspection
 from gearsim.metrology.inspection import Inspection
 from gearsim.metrology.job import Job
+from gearsim.metrology.other_spaces import SpacesInspection
 from gearsim.metrology.tooth_check import ToothInspection
 from gearsim.motion.sources import MotionSource
 from gearsim.processes.settings import settings
@@ -115,6 +116,9 @@ def _inspections(
         others = OTHERS if len(sweeps) > 1 else ""
         grids = tuple(_grid(scene.metrology, sweep, surface, judged, remark, others) for surface in sweep.surfaces)
         yield from grids
+        gear = sweep.patches[0].blank
+        if gear is not None and judged:
+            yield SpacesInspection(judged[-1], gear.teeth, grids)
         if blank is not None:
             box = slot_box(sweep.patches, blank, scene.simulation.dexel_pitch_mm)
             yield DexelInspection(grids[0].generating, box, grids)

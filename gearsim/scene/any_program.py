@@ -205,6 +205,13 @@ class ProgramScene(Scene):
             return pinion.concave if self.convex is None else pinion
         return self.surface.tooth(head, self.generator)
 
+    def spaces(self) -> int:
+        """How many spaces like the one that is meant the part has."""
+        if isinstance(self.surface, CylindricalGearTable):
+            return abs(self.surface.teeth)
+        tooth = self.tooth()
+        return 1 if tooth is None else tooth.blank.teeth
+
     def cutters(self) -> dict[int, Profile]:
         """The cutters by their numbers."""
         if self.cutter is not None:

@@ -1,5 +1,7 @@
 """Programs of the user's own cut into surfaces of any kind: by G-code, by CL data, by several tools."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -7,7 +9,7 @@ from gearsim.cutters.catalogue import ball
 from gearsim.errors import InputError
 from gearsim.metrology.grid import DENSE
 from gearsim.processes.run import plan, run, run_job
-from gearsim.programs.cldata import CLPath, assemble, format_cl
+from gearsim.programs.cldata import CLPath, assemble, format_cl, parse_cl
 from gearsim.scene import check_scene, load_scene
 from gearsim.surfaces.nurbs_file import load_surfaces
 
@@ -46,6 +48,8 @@ def test_a_bevel_gear_cut_from_gcode_is_that_cut_from_cl_data(flank, by_gcode):
     """To what linear rotary axes and six decimals cost between 65 points: the tip runs straight in both."""
     (_, cl), (nc, _) = flank, by_gcode
     assert (nc.verdict, nc.exit_code) == ("pass", 0)
+    for result in (nc, cl):
+        assert "1 of 33 spaces is cut and judged: what indexing to the others adds is not in it" in result.headline
     for surface in ("convex", "concave"):
         ours, theirs = (r.measurements[surface, "program", DENSE].deviation.value for r in (nc, cl))
         assert 1e3 * np.nanmax(np.abs(ours - theirs)) < 0.2
@@ -79,6 +83,19 @@ def test_a_program_that_stands_elsewhere_is_unchecked_with_one_reason_a_surface(
     for surface in result.job.part.surfaces:
         assert result.status.count(f"no operation touches {surface} under program") == 1
         assert f"cuts no sample of {surface}" not in result.status
+
+
+def test_a_program_that_cuts_two_slots_of_many_is_judged_by_neither(flank, tmp_path):
+    tables, result = flank
+    program = parse_cl(result.job.files["toolpath.cl"], "own.cl")
+    turn = 2.0 * np.pi / tables["surface"]["teeth"]
+    rotation = np.array([[np.cos(turn), -np.sin(turn), 0.0], [np.sin(turn), np.cos(turn), 0.0], [0.0, 0.0, 1.0]])
+    more = [CLPath(path.name, path.tips @ rotation.T, path.axes @ rotation.T) for path in program.paths]
+    (tmp_path / "two.cl").write_text(format_cl(replace(program, paths=(*program.paths, *more)), "two", 100.0, 6))
+    table = {"file": "two.cl"}
+    found = run(check_scene(tables | {"toolpath": table}, "two"), folder=tmp_path)
+    assert (found.verdict, found.exit_code) == ("unchecked", 3)
+    assert "nothing cuts 31 of 33 spaces (3, 4, 5, 6 and 27 more), though others are cut" in found.status
 
 
 def test_surfaces_that_are_not_judged_have_no_tolerance_and_no_say(flank, by_gcode):
