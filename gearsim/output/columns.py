@@ -97,12 +97,31 @@ def segment_key(variant: Variant) -> dict[str, str]:
     """Whose the rows of a variant's motion are: runs of rows by operation, and heading or motion in it."""
     key, first = {}, 0
     for operation in variant.operations:
-        part = operation.section if operation.headings else operation.table.path
+        part = _parts(operation)
         starts = [0, *(np.flatnonzero(np.diff(part)) + 1), len(operation)]
         for start, end in pairwise(starts):
             key[f"{first + start}-{first + end - 1}"] = _part_name(operation, int(part[start]))
         first += len(operation)
     return key
+
+
+def row_names(variant: Variant) -> NDArray[Any]:
+    """Of every row of a variant's motion the operation, and heading or motion in it, as in ``segment_key``."""
+    names = []
+    for operation in variant.operations:
+        parts, which = np.unique(_parts(operation), return_inverse=True)
+        known = np.array([_part_name(operation, int(part)) for part in parts], dtype=object)
+        names.append(known[which])
+    return np.concatenate(names)
+
+
+def row_lines(variant: Variant) -> NDArray[np.integer]:
+    """Of every row of a variant's motion the line of the program that states it, from 1; 0: none is known."""
+    return np.concatenate([operation.line for operation in variant.operations])
+
+
+def _parts(operation: Operation) -> NDArray[np.integer]:
+    return operation.section if operation.headings else operation.table.path
 
 
 def _part_name(operation: Operation, part: int) -> str:

@@ -20,6 +20,8 @@ from gearsim.output.columns import (
     Column,
     key_of_words,
     known,
+    row_lines,
+    row_names,
     segment_key,
     words,
 )
@@ -69,6 +71,7 @@ def _variant_columns(m: GridMeasurement) -> dict[str, Column]:
         f"{name}_um": _deviation(m),
         f"{name}_crossing": Column(crossing, met, key_of_words(CROSSINGS)),
         f"{name}_segment": _segment(m),
+        **_program_columns(m, name),
     }
     return out if m.gap is None else out | _road_columns(m, m.gap, name)
 
@@ -80,6 +83,22 @@ def _deviation(m: GridMeasurement) -> Column:
 def _segment(m: GridMeasurement) -> Column:
     made = f"row of the motion, from 0, that made the surface under {m.variant}"
     return Column(known(m.deviation.segment), made, segment_key(m.by))
+
+
+def _program_columns(m: GridMeasurement, name: str) -> dict[str, Column]:
+    """What of a program made each sample; nothing where no program is known."""
+    lines = row_lines(m.by)
+    if not lines.any():
+        return {}
+    none = m.deviation.segment < 0
+    row = np.where(none, 0, m.deviation.segment)
+    made = np.ma.masked_array(row_names(m.by)[row], none)
+    line = np.ma.masked_array(lines[row], none | (lines[row] == 0))
+    told = "of the program, G-code, CL data or axis values, whose move made the surface"
+    return {
+        f"{name}_operation": Column(made, f"operation, and its heading or motion, {told} under {m.variant}"),
+        f"{name}_line": Column(line, f"line, from 1, {told} under {m.variant}"),
+    }
 
 
 def _gap(m: GridMeasurement) -> Column:

@@ -70,6 +70,9 @@ def cl_operations(
         if mine:
             rapid = [program.paths[i].name == RAPID for i in mine]
             name = "CL data" if len(program.tools) == 1 else str(tool)
-            alone = operation(name, cutter, [sources[i] for i in mine], tolerance, rapid=rapid, holder=holder)
+            lines = [program.paths[i].lines or [0] * len(program.paths[i].tips) for i in mine]
+            alone = operation(
+                name, cutter, [sources[i] for i in mine], tolerance, rapid=rapid, holder=holder, lines=lines
+            )
             made.append(replace(alone, step=np.array(mine)[alone.step]))
     return tuple(made)

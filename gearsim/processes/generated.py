@@ -37,13 +37,15 @@ _CONVENTIONS = {
 class Sweep:
     """One tool, the surfaces it generates, and the motions they are measured under, the generating one first.
 
-    ``sampled`` gives a motion made of N points, for those that converge to the generating one.
+    ``sampled`` gives a motion made of N points, for those that converge to the generating one; ``lines`` those of the
+    program that the points of a motion stand in, for those that have one.
     """
 
     cutter: Profile
     patches: tuple[Patch, ...]
     sources: dict[str, MotionSource]
     sampled: dict[str, Callable[[int], MotionSource]] = field(default_factory=dict)
+    lines: dict[str, Sequence[int]] = field(default_factory=dict)
 
     @property
     def surfaces(self) -> tuple[str, ...]:
@@ -89,7 +91,9 @@ def _judged(judged: tuple[str, ...], motions: list[str]) -> tuple[str, ...]:
 def _variants(scene: GeneratedScene, sweep: Sweep, texts: dict[str, str]) -> Iterator[Variant]:
     tolerance = scene.simulation.compile_tolerance_mm
     for name, source in sweep.sources.items():
-        yield Variant(name, texts[name], (operation(name, sweep.cutter, [source], tolerance),), sweep.surfaces)
+        lines = [sweep.lines[name]] if name in sweep.lines else ()
+        alone = operation(name, sweep.cutter, [source], tolerance, lines=lines)
+        yield Variant(name, texts[name], (alone,), sweep.surfaces)
     for name, make in sweep.sampled.items():
         for n in scene.metrology.convergence:
             given = operation(f"{name}, {n} points", sweep.cutter, [make(n)], tolerance)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from pathlib import Path
 
 import numpy as np
@@ -73,14 +73,16 @@ def _cut(
     """One head's motions; what is simulated is read back from its tables of axis values."""
     sources: dict[str, MotionSource] = {"roll": CurveMotion(tooth.poses, *tooth.motion_range)}
     sampled: dict[str, Callable[[int], MotionSource]] = {}
+    lines: dict[str, Sequence[int]] = {}
     for name, machine in machines.items():
 
         def motion(rows: int, machine: Machine = machine) -> AxisMotion:
             return roll_motion(_path(machine, tooth, rows))
 
-        sources[name] = AxisMotion(machine, parse_axis_table(tables[name], machine).values)
+        read = parse_axis_table(tables[name], machine)
+        sources[name], lines[name] = AxisMotion(machine, read.values), read.lines
         sampled[name] = motion
-    return Sweep(tooth.head, patches, sources, sampled)
+    return Sweep(tooth.head, patches, sources, sampled, lines)
 
 
 def claims(scene: HypoidScene, folder: Path) -> list[Claim]:

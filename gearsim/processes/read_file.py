@@ -77,7 +77,7 @@ def _axis_table(scene: ProgramScene, file: Path) -> ReadFile:
     table = parse_axis_table(read_input(file, "axis table"), machine, str(file))
     source = MovedMotion(AxisMotion(machine, table.values), shift)
     tolerance, holder = scene.simulation.compile_tolerance_mm, _only(scene.holders())
-    whole = operation("axis table", cutter, [source], tolerance, holder=holder)
+    whole = operation("axis table", cutter, [source], tolerance, holder=holder, lines=[table.lines])
     return ReadFile((whole,), (), "rapid move {number}")
 
 

@@ -18,11 +18,15 @@ from gearsim.machines.chain import Machine
 
 @dataclass(frozen=True)
 class AxisTable:
-    """Axis values (n, k) [mm, rad] in the machine's axis order, and rising block numbers (n,)."""
+    """Axis values (n, k) [mm, rad] in the machine's axis order, and rising block numbers (n,).
+
+    ``lines`` (n,): the line of the text that each stands in, from 1 (empty: it was not read from one).
+    """
 
     machine: Machine
     values: NDArray[np.floating]
     blocks: NDArray[np.integer]
+    lines: tuple[int, ...] = ()
 
     @property
     def columns(self) -> tuple[str, ...]:
@@ -70,7 +74,7 @@ def parse_axis_table(text: str, machine: Machine, name: str = "axis table") -> A
         raise InputError(
             f"{name}, line {rows[i][0]}, column block: block {blocks[i]} does not rise above {blocks[i - 1]}"
         )
-    return AxisTable(machine, values / _degrees(machine), blocks)
+    return AxisTable(machine, values / _degrees(machine), blocks, tuple(number for number, _ in rows))
 
 
 def _degrees(machine: Machine) -> NDArray:

@@ -127,10 +127,18 @@ class Variant:
 
 def operation(
     name: str, cutter: Profile, sources: Sequence[MotionSource], tolerance: float, *, rapid: Sequence[bool] = (),
-    holder: Profile | None = None,
+    holder: Profile | None = None, lines: Sequence[Sequence[int]] = (),
 ) -> Operation:  # fmt: skip
-    """Compile motions of one tool to a tolerance [mm], a step each; ``rapid`` says which are (none given: none is)."""
+    """Compile motions of one tool to a tolerance [mm], a step each; ``rapid`` says which are (none given: none is).
+
+    ``lines``: of each motion the line of the program that each of its points is stated in, one more than its pieces; a
+    piece goes to the end of its line.
+    """
     table = join([compile_motion(source, cutter.reach, tolerance) for source in sources])
     fast = np.array(rapid or [False] * len(sources))[table.path]
     nothing = np.zeros(len(table), dtype=int)
-    return Operation(name, cutter, tuple(sources), table, fast, table.path, nothing, nothing, holder=holder)
+    line = nothing
+    if lines:
+        first = np.cumsum([0, *map(len, lines)])
+        line = np.concatenate([np.asarray(given, dtype=int) for given in lines])[first[table.path] + table.piece + 1]
+    return Operation(name, cutter, tuple(sources), table, fast, table.path, line, nothing, holder=holder)

@@ -5,6 +5,7 @@ import re
 from dataclasses import replace
 
 import numpy as np
+import pyarrow.parquet as pq
 import pytest
 
 from gearsim.metrology.gear_budget import BudgetLine, BudgetMeasurement
@@ -50,6 +51,13 @@ def folder(result, tmp_path_factory):
     with staged(out) as stage:
         assert write_result(result, stage) == []
     return out
+
+
+def test_every_sample_knows_its_heading_and_block(folder):
+    table, text = pq.read_table(folder / "samples.parquet"), (folder / "program.nc").read_text().splitlines()
+    assert table["program_operation"].unique().to_pylist() == ["T1, TOOTH FINISHING"]
+    blocks = [text[line - 1] for line in table["program_line"].to_pylist()]
+    assert all(re.match(r"(G01 )?[XY]-?[\d.]+ .*F[\d.]+$", block) for block in blocks), blocks[:5]
 
 
 @pytest.fixture(scope="module")

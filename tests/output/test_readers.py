@@ -1,6 +1,7 @@
 """What other programs read of samples.parquet and deviation.exr: the same numbers, and what they mean."""
 
 import json
+from dataclasses import replace
 
 import numpy as np
 import pyarrow.compute as pc
@@ -10,6 +11,7 @@ import pytest
 from gearsim.metrology.deviation import Crossing
 from gearsim.metrology.grid import DENSE
 from gearsim.output.columns import CAUSES, CLASSES, CROSSINGS, DECISIONS, Column, known, segment_key, words
+from gearsim.output.grid_columns import sample_columns
 from gearsim.output.table import write_parquet
 from gearsim.surfaces.patch import SIDES
 
@@ -112,6 +114,37 @@ def test_every_column_says_what_it_means(folder, result):
     whole = result.job.variant("program")
     assert json.loads(told["program_segment"]["key"]) == segment_key(whole)
     assert list(json.loads(told["theory_segment"]["key"])) == list(SIDES)  # each flank has a motion of its own
+
+
+def test_every_sample_knows_the_line_that_made_it(folder, result):
+    """A record of toolpath.cl that states a point; null where nothing was measured; none of a planner's own motion."""
+    table, text = pq.read_table(folder / "samples.parquet"), (folder / "toolpath.cl").read_text().splitlines()
+    assert not {"theory_line", "theory_operation"} & set(table.column_names)
+    columns = ("program_line", "program_operation", "program_segment", "program_um", "own_pass_line")
+    lines, made, rows, um, own = (table[name].to_pylist() for name in columns)
+    assert [line is None for line in lines] == [value is None for value in um] == [name is None for name in made]
+    whole, checked = result.job.variant("program"), 0
+    (operation,) = whole.operations
+    for line, name, row in zip(lines, made, rows, strict=True):
+        if line is not None:
+            x, y, z = (float(word) for word in text[line - 1].removeprefix("GOTO/").split(",")[:3])
+            end = operation.sources[operation.table.path[row]].tips[operation.table.piece[row] + 1]
+            assert [x, y, z] == pytest.approx(end.tolist(), abs=1e-12)
+            assert name == f"CL data, motion {operation.table.path[row] + 1} of {len(operation.sources)}"
+            checked += 1
+    assert checked > 100
+    assert any(a is not None and a == b for a, b in zip(own, lines, strict=True))
+    told = table.schema.field("program_line").metadata
+    assert told[b"meaning"].startswith(b"line, from 1, of the program")
+    assert b"unit" not in told
+    m = result.measurements["convex", "program", DENSE]
+    unknown = m.deviation.segment.copy()
+    unknown[0, :2] = -1
+    columns = sample_columns([replace(m, deviation=replace(m.deviation, segment=unknown))])
+    for name in ("program_line", "program_operation"):
+        none = np.ma.getmaskarray(columns[name].values)
+        assert none.sum() == 2
+        assert none[0, :2].all()
 
 
 def test_every_word_of_a_run_stands_in_its_key(folder):

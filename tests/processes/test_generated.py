@@ -56,6 +56,14 @@ def test_every_scene_reproduces_its_own_closed_form_by_both_roads(result):
         assert dexels.check_um < 1e-3
 
 
+def test_rows_of_a_machine_s_motion_know_their_line_of_its_table():
+    job = plan(load_scene("hypoid-pinion-phoenix", (*SMALL, "toolpath.rows=9"))[0])
+    (phoenix,), (roll,) = (job.variant(name).operations for name in ("phoenix", "roll"))
+    np.testing.assert_array_equal(phoenix.line, phoenix.table.piece + 3)  # behind the names and the first block
+    assert len(job.files["axes-phoenix.csv"].splitlines()) == phoenix.line.max()
+    assert not roll.line.any()
+
+
 def test_a_sampled_roll_costs_what_its_steps_cost():
     """Steps of half the size cost a quarter, on both machines."""
     result = run("hypoid-pinion-phoenix", overrides=(*SMALL, "metrology.convergence=[9, 17, 33]"))

@@ -82,3 +82,9 @@ def test_mistakes_are_named_with_line_and_column(text, message):
 def test_nothing_but_its_own_error_under_random_text(parts):
     with suppress(InputError):
         parse_axis_table(HEADER + "".join(parts), HEAD)
+
+
+def test_rows_know_their_lines():
+    values = np.array([[1.0, 2.0, 3.0, 0.5, 0.25], [4.0, 5.0, 6.0, 0.5, 0.25]])
+    head, *rows = format_axis_table(AxisTable(HEAD, values, np.array([10, 20])), 3).splitlines()
+    assert parse_axis_table("\n".join(["# by hand", head, rows[0], "", rows[1], ""]), HEAD).lines == (3, 5)

@@ -18,13 +18,14 @@ class CLPath:
     """Consecutive moves of one kind: ``tips`` [mm] and unit ``axes``, shape (n, 3), first point included.
 
     ``name`` is the pass's name (UNNAMED: the file gives none), or RAPID for moves at rapid rate; ``tool`` counts the
-    program's tools from 0.
+    program's tools from 0. ``lines`` (n,): the line of the file that each point is stated in, from 1 (empty: no file).
     """
 
     name: str
     tips: NDArray[np.floating]
     axes: NDArray[np.floating]
     tool: int = 0
+    lines: tuple[int, ...] = ()
 
 
 @dataclass(frozen=True)

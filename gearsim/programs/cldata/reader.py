@@ -64,7 +64,8 @@ class _Reader:
         self.spindle = Spindle()
         self.feeds: list[float] = []
         self.at: tuple[NDArray, NDArray] | None = None
-        self.moves: list[tuple[tuple[str, int], list[NDArray], list[NDArray]]] = []
+        self.line = 0  # where ``at`` is stated
+        self.moves: list[tuple[tuple[str, int], list[NDArray], list[NDArray], list[int]]] = []
         self.ended: Statement | None = None
         self._take: dict[str, Callable[[Statement], None]] = {
             "GOTO": self._goto, "FROM": self._goto, "GODLTA": self._by, "RAPID": self._rapid,
@@ -158,17 +159,19 @@ class _Reader:
             self.rapid = False
         elif self.at is not None and not (np.array_equal(tip, self.at[0]) and np.array_equal(axis, self.at[1])):
             self.notes.set_elsewhere(s)
-        self.at = (tip, axis)
+        self.at, self.line = (tip, axis), s.line
 
     def _move(self, s: Statement, tip: NDArray, axis: NDArray, tool: int) -> None:
         assert self.at is not None
         if np.array_equal(tip, self.at[0]) and np.array_equal(axis, self.at[1]):
             return
         label = (RAPID if self.rapid else self.label, tool)
-        if not (self.moves and self.moves[-1][0] == label and self._at_end_of(*self.moves[-1][1:])):
-            self.moves.append((label, [self.at[0]], [self.at[1]]))
-        self.moves[-1][1].append(tip)
-        self.moves[-1][2].append(axis)
+        if not (self.moves and self.moves[-1][0] == label and self._at_end_of(*self.moves[-1][1:3])):
+            self.moves.append((label, [self.at[0]], [self.at[1]], [self.line]))
+        _, tips, axes, lines = self.moves[-1]
+        tips.append(tip)
+        axes.append(axis)
+        lines.append(s.line)
         if not self.rapid:
             self._feed_in(s, tip - self.at[0])
 
@@ -186,9 +189,11 @@ class _Reader:
             self.feeds = [min(feed, *self.feeds), max(feed, *self.feeds)] if self.feeds else [feed, feed]
 
     def program(self) -> CLProgram:
-        if not any(name != RAPID for (name, _), _, _ in self.moves):
+        if not any(name != RAPID for (name, _), *_ in self.moves):
             raise InputError(f"{self.name}: no cutting moves; a path needs at least two GOTO points")
-        paths = tuple(CLPath(name, np.array(tips), np.array(axes), k) for (name, k), tips, axes in self.moves)
+        paths = tuple(
+            CLPath(name, np.array(tips), np.array(axes), k, tuple(lines)) for (name, k), tips, axes, lines in self.moves
+        )
         self.notes.units(self.units, paths, self.tool.used)
         slowest, fastest = self.feeds or (None, None)
         speed = None if self.spindle.last is None else float(self.spindle.last)
