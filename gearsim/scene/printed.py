@@ -1,4 +1,4 @@
-"""Whose printed figures a scene bears: those of a built-in scene are for its geometry and no other."""
+"""Whose printed figures a scene bears: those of a built-in scene are for its geometry and toolpath and no other."""
 
 from __future__ import annotations
 
@@ -13,10 +13,18 @@ from gearsim.scene.tables import Scene
 
 _GEOMETRY = ("surface", "cutter", "larger", "printed", "tools", "holder")
 _PLACES = "profile_offsets_mm"
+_PATHS = {  # by kind of surface, what makes the toolpath that is printed; worked examples of gouging print none
+    "ruled-bevel": ("toolpath.file",),
+    "face-milled-flank": ("toolpath.file",),
+    "cylindrical-gear": ("program.file", "toolpath"),
+}
 
 
 def printed_elsewhere(scene: Scene, folder: Path) -> str:
-    """Why the scene's [reference] is not for its geometry; empty where it is, where it has none, or brought its own.
+    """Why the scene's [reference] is not for what it cuts; empty where it is, where it has none, or brought its own.
+
+    Figures of a toolpath stand beside no other one: a bevel flank's are the continuous motion's, whatever its points, a
+    cylindrical gear's (hours, roughness, traces of gears that were cut) those of all settings of its operations.
 
     Printed figures are known by their source, worked examples by their sections; ``folder`` is where the scene's files
     are looked up.
@@ -36,8 +44,9 @@ def printed_elsewhere(scene: Scene, folder: Path) -> str:
     tables = differ[nearest] or (["surface.file"] if shape and is_file(folder / shape) else [])
     if not tables:
         return ""
+    of = "toolpath" if set(tables) <= set(_PATHS.get(mine["surface"]["kind"], ())) else "geometry"
     return (
-        f"[reference] is left out: it is printed for the geometry of the built-in scene {nearest}, and "
+        f"[reference] is left out: it is printed for the {of} of the built-in scene {nearest}, and "
         f"{', '.join(tables)} {'differ' if len(tables) > 1 else 'differs'} here"
     )
 
@@ -63,9 +72,16 @@ def _same(given: dict[str, Any], other: dict[str, Any] | None) -> bool:
 
 
 def _geometry(table: dict[str, Any]) -> dict[str, Any]:
-    """What the print is of: surface and tools, and where they are measured."""
-    at = table.get("metrology", {}).get(_PLACES)
-    return {name: table[name] for name in _GEOMETRY if name in table} | {f"metrology.{_PLACES}": at}
+    """What the print is of: surface and tools, where they are measured, and what makes a toolpath that is printed."""
+    places = (*_PATHS.get(table.get("surface", {}).get("kind", ""), ()), f"metrology.{_PLACES}")
+    return {name: table[name] for name in _GEOMETRY if name in table} | {name: _at(table, name) for name in places}
+
+
+def _at(table: Any, place: str) -> Any:
+    """What stands at a place of nested tables, names joined by dots; None where nothing does."""
+    for name in place.split("."):
+        table = (table or {}).get(name)
+    return table
 
 
 def _differing(one: dict[str, Any], other: dict[str, Any]) -> list[str]:

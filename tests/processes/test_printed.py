@@ -41,6 +41,32 @@ def test_another_geometry_is_not_set_beside_the_print_and_the_report_says_so(nam
     assert not any(i.name == "worked examples" for i in job.inspections)
 
 
+@pytest.mark.parametrize(
+    ("name", "override", "table"),
+    [
+        ("spiral-bevel-flank", "toolpath.file=own.cl", "toolpath.file"),
+        ("spiral-bevel-flank-conventional", "toolpath.file=own.cl", "toolpath.file"),
+        ("spur-external", "program.file=own.nc", "program.file"),
+        ("spur-external", "toolpath.finishing.axial_step_mm=0.25", "toolpath"),
+    ],
+)
+def test_figures_of_a_toolpath_stand_beside_no_other_one(name, override, table, tmp_path):
+    tables, (key, file) = scene_table(load_scene(name)[0]), override.split("=")
+    if key == "toolpath.file":
+        (tmp_path / file).write_text(plan(load_scene(name)[0]).files["toolpath.cl"])
+        scene = check_scene(tables | {"toolpath": {"file": file}}, "s")
+    else:
+        scene, _ = load_scene(name, [override])
+    print_of = f"[reference] is left out: it is printed for the toolpath of the built-in scene {name}"
+    told = f"{print_of}, and {table} differs here"
+    assert printed_elsewhere(scene, tmp_path) == told
+    if key == "toolpath.file":
+        job = plan(scene, tmp_path)
+        assert job.notes[-1] == told
+        assert "reference" not in job.scene
+        assert all(getattr(i, "published", None) is None for i in job.inspections)
+
+
 def test_how_finely_a_printed_geometry_is_cut_and_measured_is_free():
     scene, folder = load_scene("spiral-bevel-flank", ["toolpath.points=33", "metrology.rows=5"])
     job = plan(scene, folder)
