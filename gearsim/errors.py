@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import os
 from collections.abc import Iterator
-from contextlib import contextmanager, suppress
+from contextlib import contextmanager, nullcontext, suppress
 from enum import IntFlag
 from pathlib import Path
+
+from gearsim.scratch import hold, making, scratch_beside
 
 
 class GearsimError(Exception):
@@ -61,21 +63,31 @@ def read_input_bytes(file: Path, what: str) -> bytes:
 def written(file: Path, what: str = "") -> Iterator[Path]:
     """A scratch file beside ``file`` that takes its place when the block ends without an error; devices are written to.
 
-    ``what`` it is stands in the message. Raises InputError where it cannot be written; then an older file is as it was.
+    ``what`` it is stands in the message. What killed processes have left beside it is cleared. Raises InputError where
+    it cannot be written; then an older file is as it was.
     """
     target = file.resolve()
     device = target.exists() and not target.is_file()
-    scratch = target if device else target.with_name(f".unfinished-{os.getpid()}-{target.name}")
     try:
-        yield scratch
-        if not device:
-            os.replace(scratch, target)
+        with nullcontext(target) if device else _replacing(target) as scratch:
+            yield scratch
     except OSError as error:
         raise InputError(f"cannot write {f'{what} ' * bool(what)}{file}: {error.strerror or error}") from error
+
+
+@contextmanager
+def _replacing(target: Path) -> Iterator[Path]:
+    scratch = scratch_beside(target)
+    with making(target.parent):
+        scratch.touch()
+        lock = hold(scratch)
+    try:
+        yield scratch
+        os.replace(scratch, target)
     finally:
-        if not device:
-            with suppress(OSError):
-                scratch.unlink()
+        os.close(lock)
+        with suppress(OSError):
+            scratch.unlink()
 
 
 class NumericalError(GearsimError):

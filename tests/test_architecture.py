@@ -11,8 +11,8 @@ ROOT = Path(__file__).parent.parent
 
 # From the ground up: a room may import rooms before it, never behind it.
 ORDER = [
-    "errors", "geometry", "cutters", "machines", "surfaces", "programs", "motion", "toolpaths", "kernels", "envelope",
-    "simulation", "metrology", "gouging", "result", "output", "scene", "processes", "verify", "bench",
+    "scratch", "errors", "geometry", "cutters", "machines", "surfaces", "programs", "motion", "toolpaths", "kernels",
+    "envelope", "simulation", "metrology", "gouging", "result", "output", "scene", "processes", "verify", "bench",
     "arguments", "cli",
 ]  # fmt: skip
 LAUNCHERS = {"kernels", "envelope", "simulation", "gouging", "verify", "bench"}

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import fcntl
 import os
 import shutil
 import tempfile
@@ -11,9 +10,9 @@ from contextlib import contextmanager, suppress
 from pathlib import Path
 
 from gearsim.errors import InputError
+from gearsim.scratch import PREFIX, hold, making
 
 LAST = "report.json"
-_UNFINISHED = ".unfinished-"
 SAMPLES = "samples.parquet"
 MESHES = "tooth.vtp"
 
@@ -22,14 +21,16 @@ MESHES = "tooth.vtp"
 def staged(folder: Path) -> Iterator[Path]:
     """A scratch folder inside ``folder`` whose files move there when the block ends without an error.
 
-    report.json goes away first and comes back last, so that a folder that holds it is complete. Scratch folders of
-    killed runs are cleared; that of a run that lives is locked. Raises InputError where the folder cannot be made or
-    written; a folder that was made for nothing is gone again.
+    report.json goes away first and comes back last, so that a folder that holds it is complete. What killed runs have
+    left is cleared; the scratch folder of a run that lives is locked. Raises InputError where the folder cannot be
+    made or written; a folder that was made for nothing is gone again.
     """
     with into(folder):
         made = not folder.exists()
         folder.mkdir(parents=True, exist_ok=True)
-        stage, lock = _scratch(folder)
+        with making(folder):
+            stage = Path(tempfile.mkdtemp(prefix=PREFIX, dir=folder))
+            lock = hold(stage)
     try:
         yield stage
         with into(folder):
@@ -53,34 +54,3 @@ def into(folder: Path) -> Iterator[None]:
         raise InputError(
             f"cannot write into output folder {folder}: {error.strerror or error}; choose another with --out"
         ) from error
-
-
-def _scratch(folder: Path) -> tuple[Path, int]:
-    """A new scratch folder and its lock, which ends with its process; those of killed runs are cleared.
-
-    Where folders cannot be locked nothing is cleared.
-    """
-    parent = os.open(folder, os.O_RDONLY)
-    try:
-        with suppress(OSError):
-            fcntl.flock(parent, fcntl.LOCK_EX)  # no scratch folder is seen between its making and its lock
-            for old in folder.glob(f"{_UNFINISHED}*/"):
-                _clear(old)
-        stage = Path(tempfile.mkdtemp(prefix=_UNFINISHED, dir=folder))
-        lock = os.open(stage, os.O_RDONLY)
-        with suppress(OSError):
-            fcntl.flock(lock, fcntl.LOCK_EX)
-        return stage, lock
-    finally:
-        os.close(parent)
-
-
-def _clear(old: Path) -> None:
-    """Remove a scratch folder that no living run holds."""
-    with suppress(OSError):
-        lock = os.open(old, os.O_RDONLY)
-        try:
-            fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
-            shutil.rmtree(old, ignore_errors=True)
-        finally:
-            os.close(lock)

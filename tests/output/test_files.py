@@ -9,7 +9,7 @@ import time
 import numpy as np
 import pytest
 
-from gearsim.errors import InputError
+from gearsim.errors import InputError, written
 from gearsim.metrology.grid import DENSE
 from gearsim.output.files import into, staged
 from gearsim.output.meshes import write_vtp
@@ -248,3 +248,42 @@ def test_scratch_folders_of_killed_runs_are_cleared_and_those_of_living_ones_kep
         assert (living / "report.md").read_text() == "first"
     assert (tmp_path / "report.md").read_text() == "first"
     assert sorted(f.name for f in tmp_path.iterdir()) == [".unfinished-file", "report.md"]
+
+
+KILLED = """
+import os, sys
+from pathlib import Path
+from gearsim.errors import written
+with written(Path(sys.argv[1])) as scratch:
+    scratch.write_text("half")
+    os.kill(os.getpid(), 9)
+"""
+
+
+def test_scratch_files_of_killed_commands_are_cleared_and_those_of_living_ones_kept(tmp_path):
+    mine, target = tmp_path / ".unfinished-file", tmp_path / "v.json"
+    mine.write_text("a user's own")
+    for later in (lambda: staged(tmp_path), lambda: written(tmp_path / "other.json")):
+        process = subprocess.run([sys.executable, "-c", KILLED, str(target)], check=False)
+        assert process.returncode == -signal.SIGKILL
+        (left,) = tmp_path.glob(".unfinished-*-v.json")
+        assert left.read_text() == "half"
+        with later() as scratch:
+            assert not left.exists()
+            (scratch / "a" if scratch.is_dir() else scratch).write_text("whole")
+    with written(target) as scratch:
+        scratch.write_text("first")
+        with written(tmp_path / "other.json") as other:
+            assert scratch.exists()
+            other.write_text("second")
+    assert {f.name: f.read_text() for f in tmp_path.iterdir()} == {
+        ".unfinished-file": "a user's own", "a": "whole", "other.json": "second", "v.json": "first",
+    }  # fmt: skip
+
+
+def test_a_link_named_like_scratch_is_not_followed(tmp_path):
+    (tmp_path / "kept.txt").write_text("kept")
+    (tmp_path / ".unfinished-1-v.json").symlink_to(tmp_path / "kept.txt")
+    with written(tmp_path / "v.json") as scratch:
+        scratch.write_text("new")
+    assert (tmp_path / "kept.txt").read_text() == "kept"
