@@ -98,22 +98,26 @@ def root_findings(
 
 
 def stock_left(grid: SampleGrid, deviation: Deviation, tolerance: Tolerance | None) -> Iterator[Finding]:
-    """The most material measured where overcut alone is limited, beyond that limit: it fails nothing and is known."""
-    um = 1e3 * np.where(deviation.measured, deviation.value, 0.0).ravel()
+    """The most material left where overcut alone is limited, beyond that limit: it fails nothing and is known."""
+    um = 1e3 * _height(deviation, grid)
     i = int(np.argmax(um))
     if tolerance is not None and tolerance.excess_um == inf and um[i] > tolerance.overcut_um:
-        text = f"stock is left on the {_where(grid)}, which no tolerance limits"
+        text = f"stock is left on the {_where(grid)}{_beyond(deviation, i)}, which no tolerance limits"
         yield _finding("stock_left", grid, i, float(um[i]), tolerance, text)
 
 
 def out_of_tolerance(
     grid: SampleGrid, deviation: Deviation, tolerance: Tolerance | None, how: str
 ) -> Iterator[Finding]:
-    """Samples without a measured value, and the value farthest out of the tolerance; ``how`` they came about."""
+    """Samples without a measured value, and the value farthest out of the tolerance; ``how`` they came about.
+
+    Those that are uncut are no fault where nothing limits what is left: `stock_left` tells of them.
+    """
+    any_left = tolerance is not None and tolerance.excess_um == inf
     crossing, what = deviation.crossing.ravel(), f"the {grid.patch.name} surface"
     for kind, state in ((Crossing.UNCUT, "uncut"), (Crossing.THROUGH, "through")):
         where = np.flatnonzero(crossing == kind)
-        if len(where):
+        if len(where) and not (kind == Crossing.UNCUT and any_left):
             window = 1e3 * (grid.outward if kind == Crossing.UNCUT else -grid.inward).ravel()
             i = int(where[np.argmax(np.abs(window[where]))])
             text = f"{len(where)} samples of {what} are {state} {how}: beyond the measuring window"

@@ -8,7 +8,7 @@ import pytest
 
 from gearsim.metrology.convergence import Convergence
 from gearsim.metrology.deviation import Crossing, Deviation
-from gearsim.metrology.findings import cross_cut, root_findings, stock_left
+from gearsim.metrology.findings import cross_cut, out_of_tolerance, root_findings, stock_left
 from gearsim.metrology.samples import SampleGrid
 from gearsim.surfaces.part import Tolerance
 
@@ -41,11 +41,22 @@ def test_the_most_material_left_is_told_where_only_overcut_is_limited():
         ((5e-3, 0.0, 0.0), (MEASURED,) * 3, OVERCUT_ALONE),  # no more than may be cut too deep
         ((0.1, 0.1, 0.1), (MEASURED,) * 3, Tolerance.both(5.0)),  # judged
         ((0.1, 0.1, 0.1), (MEASURED,) * 3, None),  # not judged
-        ((0.0, 0.0, 0.0), (UNCUT,) * 3, OVERCUT_ALONE),  # told as uncut
     ],
 )
 def test_no_stock_is_told_where_there_is_none_or_a_tolerance_speaks(mm, crossing, tolerance):
     assert list(stock_left(row(), deviation(mm, crossing), tolerance)) == []
+
+
+def test_uncut_samples_fail_only_where_what_is_left_is_limited():
+    """One rule for every road into a job: planned, CL data and G-code."""
+    crossing = (MEASURED, UNCUT, MEASURED)
+    some = row(), deviation((0.1, 0.0, 0.3), crossing)
+    assert list(out_of_tolerance(*some, OVERCUT_ALONE, "under program")) == []
+    (found,) = stock_left(*some, OVERCUT_ALONE)
+    assert (found.depth_um, found.fails) == (2000.0, False)
+    assert found.text == "stock is left on the bottom land beyond the measuring window, which no tolerance limits"
+    uncut = [f.kind for f in out_of_tolerance(*some, Tolerance.both(500.0), "under program") if f.fails]
+    assert uncut == ["uncut"]
 
 
 @pytest.mark.parametrize(
