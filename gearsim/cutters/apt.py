@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from math import cos, degrees, hypot, pi, sin, sqrt, tan
 
-from gearsim.cutters.outline import require
+from gearsim.cutters.outline import not_negative, require, slanted
 from gearsim.cutters.profile import Element, Profile
 
 _SMALL = 1e-9
@@ -135,7 +135,15 @@ def conical(bottom_radius: float, fillet_radius: float, taper: float, height: fl
     | taper | angle between flank and axis [rad], his alpha_c |
     | height | height of the tool [mm], his H_c |
 
-    Raises InputError for impossible sizes, in the letters of ``apt``.
+    Raises InputError for impossible sizes.
     """
+    require(
+        "conical cutter",
+        [
+            not_negative("bottom_radius", bottom_radius),
+            not_negative("fillet_radius", fillet_radius),
+            slanted("taper", taper),
+        ],
+    )
     d = 2.0 * (bottom_radius + fillet_radius * (1.0 - sin(taper)) / cos(taper))
     return apt(d, fillet_radius, bottom_radius, fillet_radius, 0.0, taper, height, name="conical cutter")

@@ -108,6 +108,17 @@ def test_all_unknown_words_are_told_at_once_with_counts_and_the_nearest():
         assert told in message
 
 
+def test_a_file_of_another_kind_is_told_by_its_first_words_alone():
+    with pytest.raises(InputError, match=r"line 3: 30 words are not supported: .*'N7' \(line 10\) and 22 more "):
+        parse_cl(START + "".join(f"N{i}\n" for i in range(30)), "my.cl")
+
+
+@pytest.mark.parametrize("far", ["1e30", "-1.1E6"])
+def test_places_where_no_nanometre_can_be_told_are_refused_by_line(far):
+    with pytest.raises(InputError, match=r"line 3: .*farther than 1e\+06 mm"):
+        parse_cl(START + f"GOTO/1,{far},0\nGOTO/2,0,0\n", "my.cl")
+
+
 @pytest.mark.parametrize(
     ("text", "message"),
     [

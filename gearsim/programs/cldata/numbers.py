@@ -10,6 +10,7 @@ from math import isfinite
 from gearsim.errors import InputError
 
 INCH = Decimal("25.4")
+FARTHEST_MM = 1e6
 EXACT = Context(prec=400)
 _NUMBER = re.compile(r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[EeDd][+-]?\d{1,4})?", re.ASCII)
 
@@ -65,6 +66,8 @@ def numbers(rest: str, counts: Sequence[int], form: str, unit: Decimal = Decimal
         value = times(decimal(field), unit) if inches else float(field.upper().replace("D", "E"))
         if not isfinite(value):
             raise InputError(f"{field} is not a finite number; expected {form}")
+        if i < scaled and abs(value) > FARTHEST_MM:
+            raise InputError(f"{field} is farther than {FARTHEST_MM:g} mm, where no number holds a nanometre any more")
         out.append(value)
     if len(out) not in counts:
         raise InputError(f"{len(out)} numbers; expected {form}")

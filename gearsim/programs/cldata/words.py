@@ -20,6 +20,7 @@ GLUED_TEXT = ("PARTNO", "PPRINT", "TPRINT", "INSERT", "REMARK", "LETTER", "TITLE
 SPACED_TEXT = ("PRINT", "TITLE")
 TEXT = frozenset((*GLUED_TEXT, *SPACED_TEXT))
 FOR_THE_MACHINE = ("INSERT", "PPWORD")
+_TOLD = 8
 
 
 def is_read(word: str, rest: str) -> bool:
@@ -35,7 +36,9 @@ def unknown_words(found: Iterable[tuple[str, int]]) -> str:
     first = min(at[0] for at in lines.values())
     if len(lines) == 1 and len(lines[word]) == 1:
         return f"line {first}: word {word!r} is not supported{_hint(word)}"
-    told = ", ".join(_told(word, at) for word, at in lines.items())
+    told = ", ".join(_told(word, at) for word, at in list(lines.items())[:_TOLD])
+    if len(lines) > _TOLD:
+        told += f" and {len(lines) - _TOLD} more (is this a CL file?)"
     return f"line {first}: {len(lines)} {'words are' if len(lines) > 1 else 'word is'} not supported: {told}"
 
 
