@@ -19,7 +19,7 @@ OWN = (DATA / "own65.cl").read_text()
 
 @pytest.fixture
 def planned(tmp_path):
-    scene, _ = load_scene(SCENE, ("toolpath.file=my.cl",))
+    scene = load_scene(SCENE, ("toolpath.file=my.cl",))[0].model_copy(update={"reference": None})
 
     def make(text, use=plan):
         (tmp_path / "my.cl").write_text(text, encoding="latin-1")
