@@ -1,26 +1,23 @@
 """Point lists with normals, x y z nx ny nz, as CSV or Parquet: read and written.
 
-A CSV file begins with lines ``# key: value``: ``units`` (mm) and ``sign`` (out of the material, or into the
-material: the way the normals point) are needed; ``axis``, ``flank`` and, for a grid in row-major order, ``rows`` and
-``columns`` may follow. Then come the column names and one point a line. Parquet files carry the same keys, as
-``gearsim.units`` and so on, in their metadata.
+What the numbers mean stands beside them: ``units`` (mm) and ``sign`` (out of the material, or into the material: the
+way the normals point) are needed; ``axis``, ``flank`` and, for a grid in row-major order, ``rows`` and ``columns`` may
+follow: in CSV as in `gearsim.programs.point_table`, in Parquet as ``gearsim.units`` and so on in the metadata.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from difflib import get_close_matches
 from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
 from gearsim.errors import InputError, read_input, written
+from gearsim.programs.point_table import COLUMNS, KEYS, format_table, parse_table
 
-COLUMNS = ("x_mm", "y_mm", "z_mm", "nx", "ny", "nz")
 AXIS = "z along the gear axis"
 SIGNS = {"out of the material": 1.0, "into the material": -1.0}
-_KEYS = ("units", "axis", "flank", "sign", "rows", "columns")
 _UNIT = 1e-3
 
 
@@ -67,81 +64,23 @@ def write_points(points: PointList, file: Path) -> None:
 
 def format_points(points: PointList) -> str:
     """A point list as CSV text."""
-    lines = [f"# {key}: {value}" for key, value in points.header().items()]
-    rows = np.hstack([points.point, points.normal]).tolist()
-    return "\n".join([*lines, ",".join(COLUMNS), *(",".join(map(repr, row)) for row in rows), ""])
+    return format_table(np.hstack([points.point, points.normal]), points.header(), points.shape)
 
 
 def parse_points(text: str, name: str) -> PointList:
     """A point list from CSV text; ``name`` stands in the messages."""
-    header: dict[str, str] = {}
-    rows: list[tuple[int, list[str]]] = []
-    for number, line in enumerate(text.removeprefix("\ufeff").splitlines(), 1):
-        line = line.strip()
-        if line.startswith("#"):
-            _take_key(line[1:], header, f"{name}, line {number}")
-        elif line:
-            rows.append((number, _fields(line)))
-    if rows and not _is_number(rows[0][1][0]):
-        _check_names(rows.pop(0), name)
-    return _point_list(_numbers(rows, name), header, name, [f"line {number}" for number, _ in rows])
-
-
-def _take_key(comment: str, header: dict[str, str], place: str) -> None:
-    """Add a key of the header; refuse one that is misspelt or contradicts another. Other comments are free."""
-    key, colon, value = (part.strip() for part in comment.partition(":"))
-    key = key.lower()
-    if not colon:
-        return
-    if key not in _KEYS:
-        if near := get_close_matches(key, _KEYS, n=1, cutoff=0.8):
-            raise InputError(f"{place}: unknown key {key!r}; did you mean {near[0]!r}?")
-    elif header.setdefault(key, value) != value:
-        raise InputError(f"{place}: {key} {value!r} contradicts {header[key]!r} above")
-
-
-def _fields(line: str) -> list[str]:
-    separator = "," if "," in line else ";" if ";" in line else None
-    return [field.strip() for field in line.split(separator)]
-
-
-def _is_number(field: str) -> bool:
-    try:
-        float(field)
-    except ValueError:
-        return False
-    return True
-
-
-def _check_names(row: tuple[int, list[str]], name: str) -> None:
-    number, found = row
-    if [f.lower().removesuffix("_mm") for f in found] != [c.removesuffix("_mm") for c in COLUMNS]:
-        raise InputError(f"{name}, line {number}: columns {', '.join(found)}; expected {', '.join(COLUMNS)}")
-
-
-def _numbers(rows: list[tuple[int, list[str]]], name: str) -> NDArray:
-    """The numbers, shape (n, 6)."""
-    for number, fields in rows:
-        if len(fields) != len(COLUMNS):
-            raise InputError(f"{name}, line {number}: {len(fields)} columns; expected 6: {', '.join(COLUMNS)}")
-    try:
-        return np.array([fields for _, fields in rows], dtype=float).reshape(-1, 6)
-    except ValueError:
-        number, column, field = next(
-            (number, k, f) for number, fields in rows for k, f in enumerate(fields) if not _is_number(f)
-        )
-        place = f"{name}, line {number}, column {column + 1} ({COLUMNS[column]})"
-        raise InputError(f"{place}: {field!r} is not a number") from None
+    values, header, places = parse_table(text, name)
+    return _point_list(values, header, name, places)
 
 
 def _point_list(values: NDArray, header: dict[str, str], name: str, places: list[str] | None = None) -> PointList:
     """A point list from its numbers, shape (n, 6); ``places`` say where each row stands in the file."""
     units, sign = header.get("units"), header.get("sign", "")
     if units != "mm":
-        got = "no '# units: mm' in its header" if units is None else f"units {units!r}"
+        got = "no '# units: mm' in its header, no x_mm" if units is None else f"units {units!r}"
         raise InputError(f"{name}: {got}; point lists are read in mm")
     if sign not in SIGNS:
-        got = f"sign {sign!r}" if sign else "no '# sign:' in its header"
+        got = f"sign {sign!r}" if sign else "no column sign and no '# sign:' in its header"
         raise InputError(f"{name}: {got}; it says where the normals point: {' or '.join(map(repr, SIGNS))}")
     if not len(values):
         raise InputError(f"{name}: no points; expected lines of six numbers: {', '.join(COLUMNS)}")
@@ -204,5 +143,5 @@ def _from_parquet(file: Path) -> PointList:
         except (pa.ArrowInvalid, pa.ArrowNotImplementedError) as error:
             raise InputError(f"{file}, column {name}: it does not hold numbers") from error
     keys = {k.decode(): v.decode() for k, v in (table.schema.metadata or {}).items()}
-    header = {k.removeprefix("gearsim."): v for k, v in keys.items() if k.removeprefix("gearsim.") in _KEYS}
+    header = {k.removeprefix("gearsim."): v for k, v in keys.items() if k.removeprefix("gearsim.") in KEYS}
     return _point_list(np.column_stack(columns), header, str(file))

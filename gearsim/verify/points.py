@@ -37,7 +37,7 @@ def _form_of(forms: list[ClosedForm], flank: str, name: str) -> ClosedForm:
         mine = forms
     if not mine:
         flanks = sorted({f.flank for f in forms if f.flank})
-        raise InputError(f"{name}: flank {flank!r} has no motion here; '# flank:' may be {', '.join(flanks) or 'none'}")
+        raise InputError(f"{name}: flank {flank!r} has no motion here; it may be {', '.join(flanks) or 'none'}")
     return mine[0]
 
 

@@ -3,6 +3,7 @@ from contextlib import suppress
 
 import numpy as np
 import pyarrow as pa
+import pyarrow.csv
 import pyarrow.parquet as pq
 import pytest
 from hypothesis import given, settings
@@ -32,12 +33,75 @@ def test_what_is_written_is_read_back_to_the_last_digit(rng, tmp_path, name, sha
     assert (again.flank, again.axis, again.shape) == (points.flank, points.axis, shape)
 
 
-def test_the_header_says_what_the_numbers_mean(rng):
-    lines = format_points(random_list(rng, shape=(3, 4))).splitlines()
-    assert lines[:7] == [
-        "# units: mm", "# axis: z along the gear axis", "# flank: convex", "# sign: out of the material",
-        "# rows: 3", "# columns: 4", "x_mm,y_mm,z_mm,nx,ny,nz",
-    ]  # fmt: skip
+def by_pyarrow(file):
+    return pyarrow.csv.read_csv(file).to_pydict()
+
+
+def by_pandas(file):
+    return pytest.importorskip("pandas").read_csv(file).to_dict("list")
+
+
+@pytest.mark.parametrize("read", [by_pyarrow, by_pandas])
+def test_a_list_is_a_plain_table_that_says_what_its_numbers_mean(rng, tmp_path, read):
+    points = random_list(rng, shape=(3, 4), axis="z along the gear axis, origin at the apex")
+    write_points(points, tmp_path / "p.csv")
+    table = read(tmp_path / "p.csv")
+    assert list(table) == [*COLUMNS, "sign", "axis", "flank", "row", "column"]
+    numbers = np.array([table[name] for name in COLUMNS]).T
+    assert np.allclose(numbers, np.hstack([points.point, points.normal]), rtol=3e-16, atol=0.0)
+    told = {name: set(table[name]) for name in ("sign", "axis", "flank")}
+    assert told == {"sign": {"out of the material"}, "axis": {points.axis}, "flank": {"convex"}}
+    assert table["row"] == np.repeat(range(3), 4).tolist()
+    assert table["column"] == np.tile(range(4), 3).tolist()
+
+
+def test_scattered_points_of_no_flank_have_no_columns_for_it(rng):
+    assert format_points(random_list(rng, flank="")).splitlines()[0] == ",".join([*COLUMNS, "sign", "axis"])
+
+
+def test_older_lists_with_their_keys_above_are_read():
+    head = "# units: mm\n# axis: z up\n# flank: convex\n# sign: into the material\n# rows: 1\n# columns: 2\n"
+    points = parse_points(head + "x_mm,y_mm,z_mm,nx,ny,nz\n1,2,3,0,0,1\n4,5,6,0,0.6,0.8\n", "p")
+    assert (points.axis, points.flank, points.shape) == ("z up", "convex", (1, 2))
+    assert np.array_equal(points.normal[0], [0, 0, -1])
+
+
+TABLE = "x_mm,y_mm,z_mm,nx,ny,nz,sign,row,column\n1,2,3,0,0,1,out of the material,0,0\n4,5,6,0,0.6,0.8,{},{},{}\n"
+
+
+@pytest.mark.parametrize(
+    ("last", "message"),
+    [
+        (("into the material", 0, 1), "p, line 3, sign 'into the material' contradicts 'out of the material' above"),
+        (("out of the material", 1, 1), "p, line 3: row '1', column '1'; expected 0, 1: row by row, from 0"),
+        (("out of the material", 0, 0), "p, line 3: row '0', column '0'; expected 1, 0: row by row, from 0"),
+        (("out of the material", "x", 1), "p, line 3: row 'x', column '1'; expected 0, 1"),
+    ],
+)
+def test_columns_that_contradict_are_refused(last, message):
+    assert parse_points(TABLE.format("out of the material", 0, 1), "p").shape == (1, 2)
+    assert parse_points(TABLE.format("out of the material", 1, 0), "p").shape == (2, 1)
+    with pytest.raises(InputError, match=re.escape(message)):
+        parse_points(TABLE.format(*last), "p")
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        (TABLE.replace(",row,", ",colour,"), "p, line 1: columns x_mm, y_mm, z_mm, nx, ny, nz, sign, colour, column"),
+        (TABLE.replace(",row,", ",sign,"), "and behind them any of sign, axis, flank, row, column"),
+        (TABLE.replace(",row,", ",flank,"), "p: a grid needs both columns, row and column"),
+        ("# rows: 2\n" + TABLE, "p: 1 rows by the columns, 2 by its header"),
+        (
+            "# sign: into the material\n" + TABLE,
+            "p, line 3, sign 'out of the material' contradicts 'into the material'",
+        ),
+        (TABLE.replace(",0,0\n4", ",0\n4"), "p, line 2: 8 columns; expected 9: x_mm"),
+    ],
+)
+def test_unknown_and_half_columns_are_refused(text, message):
+    with pytest.raises(InputError, match=re.escape(message)):
+        parse_points(text.format("out of the material", 0, 1), "p")
 
 
 @pytest.mark.parametrize(
@@ -87,7 +151,7 @@ def test_normals_into_the_material_are_turned():
         (GOOD.replace(",0.8", ""), r"line 5: 5 columns; expected 6"),
         (GOOD.replace("nx,ny", "ny,nx"), r"line 3: columns x_mm, y_mm, z_mm, ny, nx, nz; expected x_mm"),
         (GOOD.replace("mm\n# s", "in\n# s"), "units 'in'; point lists are read in mm"),
-        (GOOD.replace("# units: mm\n", ""), "no '# units: mm' in its header"),
+        (GOOD.replace("# units: mm\n", "").replace("_mm", ""), "no '# units: mm' in its header, no x_mm"),
         (GOOD.replace("out of the", "away from"), "'out of the material' or 'into the material'"),
         (GOOD.replace("# sign: out of the material\n", ""), "no '# sign:' in its header"),
         ("# rows: 2\n# columns: 3\n" + GOOD, "2 rows of 3 columns are 6 points; it holds 2"),
