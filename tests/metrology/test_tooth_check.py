@@ -192,7 +192,7 @@ def test_a_figure_holds_at_the_very_ends_of_its_tolerance(least, most, wanted, f
 def test_the_verdict_line_says_against_what_the_roll_is_measured():
     result = run(GEAR, overrides=SMALL)
     assert (result.verdict, result.exit_code) == ("pass", 0)
-    assert "under roll the surfaces are measured against themselves, as its own envelope; the tooth" in result.headline
+    assert "under roll the surfaces are measured against themselves, as its own envelope; 1 of 33" in result.headline
     tilted = run(GEAR, overrides=(*SMALL, "generator.tilt_deg=3"))
     assert (tilted.verdict, tilted.exit_code) == ("fail", 1)
     assert "bottom land over the root cone 2595 to 3308 um, 0 ± 100 demanded (+3308 um)" in tilted.headline
