@@ -276,21 +276,36 @@ def area(quads):
 def test_strips_join_the_ends_of_neighbouring_rays():
     """A trapezoid whose sides are almost parallel to the rays, cut at rays a tenth apart: no steps, the right area."""
     y = np.arange(0.05, 1.0, 0.1)
-    found = strips(y, np.arange(10), 0.0 * y, 1.0 + 20.0 * y)
-    assert len(found.quads) == 9 + 2  # and half a strip at either end
+    found = strips(y, np.arange(10), 0.0 * y, 1.0 + 20.0 * y, 1e-6)
+    assert len(found.quads) == 2 + 2  # from ray 0 to 8 and to 9, and half a strip at either end
     assert area(found.quads) == pytest.approx(11.0, abs=1e-9)
-    slopes = np.diff(found.edges[11:20], axis=1)[:, 0]
-    assert np.allclose(slopes[:, 0] / slopes[:, 1], 20.0)
+    (right,) = np.nonzero(np.abs(np.diff(found.edges[..., 0], axis=1)[:, 0]) > 1e-9)
+    slopes = np.diff(found.edges[right], axis=1)[:, 0]
+    assert np.allclose(slopes[:2, 0] / slopes[:2, 1], 20.0)
     assert np.isclose(np.ptp(found.edges[..., 1]), 1.0)
+
+
+def test_strips_pass_over_what_is_straight_and_keep_corners():
+    """A square that stands on its corner: few strips, and they are off by less than a part of the rays' distance."""
+    y = np.linspace(-1.0, 1.0, 2001)
+    half = 1.0 - np.abs(y)
+    kept = half > 1e-9
+    found = strips(y, np.flatnonzero(kept), -half[kept], half[kept], 1e-6)
+    assert len(found.quads) < 60
+    assert area(found.quads) == pytest.approx(2.0, abs=1e-5)
+    round_ = np.sqrt(1.0 - y[1:-1] ** 2)
+    circle = strips(y[1:-1], np.arange(1999), -round_, round_, 1e-5)
+    assert len(circle.quads) < 700
+    assert area(circle.quads) == pytest.approx(np.pi, abs=3e-4)
 
 
 def test_strips_end_where_material_forks_begins_or_ends():
     y = np.array([0.0, 1.0, 2.0, 3.0])
     ray, low, high = np.array([0, 1, 1, 3]), np.array([0.0, 0.0, 7.0, 0.0]), np.array([10.0, 3.0, 10.0, 3.0])
-    found = strips(y, ray, low, high)
+    found = strips(y, ray, low, high, 0.01)
     assert len(found.quads) == 8  # two halves of each: nothing is joined over a fork or a ray without material
     assert area(found.quads) == pytest.approx(10.0 + 3.0 + 3.0 + 3.0)
-    touching = strips(y[:2], np.array([0, 1]), np.array([0.0, 2.0]), np.array([2.0, 4.0]))
+    touching = strips(y[:2], np.array([0, 1]), np.array([0.0, 2.0]), np.array([2.0, 4.0]), 0.01)
     assert len(touching.quads) == 4  # what only meets in a point is not joined
     none = np.empty(0)
-    assert [len(part) for part in strips(y, none.astype(int), none, none)] == [0, 0]
+    assert [len(part) for part in strips(y, none.astype(int), none, none, 0.01)] == [0, 0]

@@ -107,7 +107,7 @@ def test_a_map_has_its_causes_beside_it_only_where_there_are_several():
     assert rows_of({"a": False}) == [[("a", False)]]
     assert rows_of({"a": False, "b": False, "c": False}) == [[("a", False), ("b", False)], [("c", False)]]
     assert rows_of({"a": False, "b": True, "c": False}) == [
-        [("a", False)], [("b", False), ("b", True)], [("c", False)]
+        [("a", False), ("c", False)], [("b", False), ("b", True)]
     ]  # fmt: skip
 
 

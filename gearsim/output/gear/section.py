@@ -17,7 +17,7 @@ from gearsim.surfaces.involute import InvoluteFlank
 
 _METAL, _LINE = "#c9ced6", "0.25"
 _POINTS = 81
-_ROWS = 900  # of rays in the picture of the whole gear
+_OFF = 0.01  # mm: a small part of a pixel
 _ROOM = Room(left=0.7, right=0.2, bottom=0.85, top=0.75, across=0.6)
 
 
@@ -30,10 +30,7 @@ def draw_section(section: Section, gear: CylindricalGear, title: str, save: Save
     )
     figure, ((whole, near),) = page(1, 2, (6.9, 6.9), _ROOM, heading)
     reach, (x, y) = 1.04 * abs(section.start), _zoom(gear, section)
-    strips = (
-        section_strips(section, max(1, len(section.y) // _ROWS)),
-        section_strips(section, 1, x, (y[0] - pitch, y[1] + pitch)),
-    )
+    strips = section_strips(section, _OFF), section_strips(section, 0.1 * _OFF, x, (y[0] - pitch, y[1] + pitch))
     limits = ((-reach, reach), (-reach, reach)), (x, y)
     for axis, width, shown, (across, up) in zip((whole, near), (0.5, 1.1), strips, limits, strict=True):
         _add_material(axis, shown)

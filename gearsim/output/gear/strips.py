@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from gearsim.simulation.section import Section
 
+_LONGEST = 32  # times that distance: half of a strip
 _SLIVER = 1e-5  # mm of material: what tools that just meet leave between them
 
 
@@ -23,41 +24,61 @@ class Strips(NamedTuple):
 
 
 def section_strips(
-    section: Section, every: int = 1, x: tuple[float, float] = (-np.inf, np.inf),
+    section: Section, off: float, x: tuple[float, float] = (-np.inf, np.inf),
     y: tuple[float, float] = (-np.inf, np.inf),
 ) -> Strips:  # fmt: skip
-    """What is left in a section between two x and two y [mm], by one ray of ``every``."""
+    """What is left in a section between two x and two y [mm]; ``off`` as of strips."""
     left = section.left
     ray, low, high = left.ray, *(np.clip(section.start + end, *x) for end in (left.lo, left.hi))
-    chosen = np.arange(len(section.y)) % every == 0
-    chosen &= (section.y >= y[0]) & (section.y <= y[1])
+    chosen = (section.y >= y[0]) & (section.y <= y[1])
     kept = (high - low > _SLIVER) & chosen[ray]
     row = np.cumsum(chosen) - 1
-    return strips(section.y[chosen], row[ray[kept]], low[kept], high[kept])
+    return strips(section.y[chosen], row[ray[kept]], low[kept], high[kept], off)
 
 
-def strips(y: NDArray, ray: NDArray, low: NDArray, high: NDArray) -> Strips:
+def strips(y: NDArray, ray: NDArray, low: NDArray, high: NDArray, off: float) -> Strips:
     """Strips of intervals from ``low`` to ``high`` on rays at rising, evenly spaced ``y``, sorted by ray and place.
 
     Where an interval and one of the next ray meet each other alone, a strip leads from one to the other; elsewhere both
-    end half way.
+    end half way. Intervals in line with those before and after, at most ``off`` [mm] beside it, are passed over.
     """
     apart = float(np.diff(y).mean()) if len(y) > 1 else 0.0
-    above = _partner(ray, low, high, 1)
-    back = _partner(ray, low, high, -1)
-    joined = np.flatnonzero((above >= 0) & (back[above] == np.arange(len(ray))))
-    after = above[joined]
-    upper, lower = np.ones(len(ray), dtype=bool), np.ones(len(ray), dtype=bool)
-    upper[joined], lower[after] = False, False
-    ends, begins = np.flatnonzero(upper), np.flatnonzero(lower)
+    above, back, every = _partner(ray, low, high, 1), _partner(ray, low, high, -1), np.arange(len(ray))
+    joined = (above >= 0) & (back[above] == every)
+    above, below = np.where(joined, above, -1), np.full(len(ray), -1)
+    below[above[joined]] = every[joined]
+    kept = _pass_over_straight(ray, low, high, above, below, off)
+    first, ends, begins = (every[kept & where] for where in (above >= 0, above < 0, below < 0))
     pairs = [
-        (joined, y[ray[joined]], after, y[ray[after]]),
+        (first, y[ray[first]], above[first], y[ray[above[first]]]),
         (ends, y[ray[ends]], ends, y[ray[ends]] + 0.5 * apart),
         (begins, y[ray[begins]] - 0.5 * apart, begins, y[ray[begins]]),
     ]
-    quads = np.concatenate([_quads(low, high, *pair) for pair in pairs])
-    caps = np.concatenate([quads[len(joined) : len(joined) + len(ends), 2:], quads[len(joined) + len(ends) :, :2]])
-    return Strips(quads, np.concatenate([quads[:, [0, 3]], quads[:, [1, 2]], caps]))
+    joints, tops, bottoms = (_quads(low, high, *pair) for pair in pairs)
+    quads = np.concatenate([joints, tops, bottoms])
+    return Strips(quads, np.concatenate([quads[:, [0, 3]], quads[:, [1, 2]], tops[:, 2:], bottoms[:, :2]]))
+
+
+def _pass_over_straight(
+    ray: NDArray, low: NDArray, high: NDArray, above: NDArray, below: NDArray, tolerance: float
+) -> NDArray[np.bool_]:  # fmt: skip
+    """Which intervals are kept; ``above`` and ``below``, whom each is joined to (-1: to none), are led past the others.
+
+    One is passed over whose ends lie half way between those of its neighbours, as far above as below; then every other
+    of what is left, and so on.
+    """
+    kept = np.ones(len(ray), dtype=bool)
+    step = 1
+    while step <= _LONGEST:
+        tried = np.flatnonzero(kept & (ray % (2 * step) == step) & (above >= 0) & (below >= 0))
+        a, b = above[tried], below[tried]
+        even = (ray[a] - ray[tried] == step) & (ray[tried] - ray[b] == step)
+        off = (np.abs(end[tried] - 0.5 * (end[a] + end[b])) for end in (low, high))
+        straight = even & np.logical_and(*(distance <= tolerance for distance in off))
+        kept[tried[straight]] = False
+        above[b[straight]], below[a[straight]] = a[straight], b[straight]
+        step *= 2
+    return kept
 
 
 def _partner(ray: NDArray, low: NDArray, high: NDArray, step: int) -> NDArray:

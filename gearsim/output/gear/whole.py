@@ -23,7 +23,7 @@ from gearsim.simulation.section import Section
 from gearsim.surfaces.cylindrical_gear import CylindricalGear
 from gearsim.surfaces.reached_flank import ReachedFlank
 
-_ROWS = 400  # of the whole gear, and of a space
+_OFF, _OFF_NEAR = 0.02, 0.002  # mm of the section in the pictures: a small part of a pixel
 _BESIDE = 0.85  # pitches either side of space 0
 _BEHIND = 0.6  # of the teeth's height, behind their roots
 
@@ -64,7 +64,7 @@ def layers(result: Result, found: Sequence[SectionMeasurement]) -> dict[str, NDA
         "gear:tolerance_um": np.array(np.inf if tolerance is None else tolerance.excess_um),
         "gear:profile": outline(cutter),
         "section:z": np.array(section.z),
-        **_strips("section", section_strips(section, max(1, len(section.y) // _ROWS))),
+        **_strips("section", section_strips(section, _OFF)),
         **_strips("space", _space(section, gear)),
         **_tool(flank, left.grid, cutter),
     }
@@ -81,9 +81,7 @@ def _space(section: Section, gear: CylindricalGear) -> Strips:
     half = _BESIDE * gear.pitch_angle * gear.reference_radius
     behind = gear.root_radius - gear.sign * _BEHIND * height
     x = (behind, np.inf) if gear.sign > 0 else (0.0, behind)
-    y = middle - half, middle + half
-    rows = int(np.count_nonzero((section.y >= y[0]) & (section.y <= y[1])))
-    return section_strips(section, max(1, rows // _ROWS), x, y)
+    return section_strips(section, _OFF_NEAR, x, (middle - half, middle + half))
 
 
 def _flank(job: Job) -> ReachedFlank | None:

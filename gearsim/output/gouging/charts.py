@@ -65,10 +65,11 @@ def rows_of(mixed: Mapping[str, bool]) -> list[list[tuple[str, bool]]]:
     """
     rows: list[list[tuple[str, bool]]] = []
     for name, both in mixed.items():
+        alone = next((row for row in rows if len(row) == 1), None)
         if both:
             rows.append([(name, False), (name, True)])
-        elif rows and len(rows[-1]) == 1:
-            rows[-1].append((name, False))
+        elif alone is not None:
+            alone.append((name, False))
         else:
             rows.append([(name, False)])
     return rows
