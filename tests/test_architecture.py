@@ -98,6 +98,7 @@ def test_importing_gearsim_loads_nothing_heavy():
 
 
 def test_kernels_carry_no_backward_pass_and_name_their_outputs():
+    assert '"enable_backward": False' in (ROOT / "kernels/options.py").read_text()
     for name, file in modules():
         if room(name) != "kernels":
             continue
@@ -107,7 +108,7 @@ def test_kernels_carry_no_backward_pass_and_name_their_outputs():
             if isinstance(n, ast.FunctionDef) and any("kernel" in ast.unparse(d) for d in n.decorator_list)
         ]  # fmt: skip
         if kernels:
-            assert '"enable_backward": False' in text, name
+            assert "wp.set_module_options(OPTIONS)" in text, name
         for kernel in kernels:
             lines = ast.get_source_segment(text, kernel)
             after = [a.arg for a in kernel.args.args][lines.split("# out")[0].count(": ") :]

@@ -17,9 +17,9 @@ def read(name):
 
 
 def planned(name):
-    """The scene beside the files with another file's path."""
+    """The scene beside the files with another file's path, so without what was printed for the planned one."""
     scene, folder = load_scene(FOLDER / "twotools65.toml", (f"toolpath.file={name}",))
-    return plan(scene, folder)
+    return plan(scene.model_copy(update={"reference": None}), folder)
 
 
 def ipm():
