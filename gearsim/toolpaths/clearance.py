@@ -8,7 +8,6 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
-from itertools import pairwise
 from math import ceil
 
 import numpy as np
@@ -22,6 +21,8 @@ CLEAR_MM = 0.5
 _DISC_MM = 0.25
 _LOOK_MM = 0.25
 _POINT_MM = 0.02
+_MOST_DISCS = 4000  # of a tool longer than 1 m, each then longer, too
+_MOST_POINTS = 100_000
 _AT_ONCE = 1 << 12
 _OPPOSITE = -0.99
 
@@ -78,8 +79,12 @@ class Clearance:
     def _discs(self) -> tuple[NDArray, NDArray]:
         """Middles [mm] of discs along the axis, and how far from its middle each disc's farthest point lies at most."""
         low, high = self.cutter.box[2:]
-        edges = np.linspace(low, high, ceil((high - low) / _DISC_MM) + 1)
-        points = [e.at(np.linspace(0.0, e.length, ceil(e.length / _POINT_MM) + 1)) for e in self.cutter.elements]
+        fine = max(_POINT_MM, self.cutter.reach / _MOST_POINTS)
+        edges = np.linspace(low, high, min(ceil((high - low) / _DISC_MM), _MOST_DISCS) + 1)
+        points = [e.at(np.linspace(0.0, e.length, ceil(e.length / fine) + 1)) for e in self.cutter.elements]
         r, z = (np.concatenate([getattr(p, name) for p in points]) for name in ("r", "z"))
-        radius = [float(r[(z >= a - _POINT_MM) & (z <= b + _POINT_MM)].max()) + _POINT_MM for a, b in pairwise(edges)]
-        return 0.5 * (edges[:-1] + edges[1:]), np.hypot(radius, 0.5 * (edges[1] - edges[0]))
+        radius = np.zeros(len(edges) - 1)
+        for beside in (-fine, 0.0, fine):
+            disc = np.searchsorted(edges, z + beside, side="right") - 1
+            np.maximum.at(radius, np.clip(disc, 0, len(radius) - 1), r)
+        return 0.5 * (edges[:-1] + edges[1:]), np.hypot(radius + fine, 0.5 * (edges[1] - edges[0]))

@@ -125,6 +125,14 @@ def test_the_clearance_is_a_lower_bound_near_the_truth(rng):
         assert clearance.along(up, np.stack([axis, axis])) <= true + 1e-9
 
 
+def test_the_clearance_of_a_tool_of_metres_is_a_bound_by_fewer_discs():
+    """Beside a disc of 50 mm radius, the tool's side 10 mm off; longer discs make the bound looser, never too much."""
+    stock = Turned(np.array([[0.0, -5.0], [50.0, -5.0], [50.0, 5.0], [0.0, 5.0]]))
+    tips, axes = np.array([[70.0, 0.0, -10_000.0]]), np.array([[0.0, 0.0, 1.0]])
+    (found,) = Clearance(stock, flat(20.0, 20_000.0)).at(tips, axes)
+    assert 9.0 < found <= 10.0
+
+
 def test_the_distance_from_a_turned_solid_is_that_of_its_outline():
     points = np.array([[50.0, 0, -4], [0, 0, -4], [25, 0, 3], [25, 0, -2], [0, 43, 4], [40, 0, 0], [10, 0, -4]])
     assert np.allclose(DISC.signed_distance(points), [10.0, 10.0, 3.0, -2.0, 5.0, 0.0, 0.0])
