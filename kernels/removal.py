@@ -63,7 +63,8 @@ def cut_rays(
     """Cut each ray by its job's segments whose bounds its window [tau_min, tau_max] meets, a convex part at a time.
 
     ``coarse`` of a job: its first row, and that every which row comes first, before all; those next to each other cut
-    nearly alike, so that most find their part cut already.
+    nearly alike, so that most find their part cut already. The status is that of the last time, when every row is
+    looked at again but for those that take nothing more.
     """
     ray = first + wp.tid()
     o = origin[ray]
@@ -83,8 +84,10 @@ def cut_rays(
         pad = CAPSULE_PAD + CAPSULE_SHARE * wp.float32(extent)
         begin = coarse[job[ray]][0]
         step = coarse[job[ray]][1]
+        told = int(0)
         while step > 0:
             candidates = int(0)
+            told = int(0)
             query = wp.bvh_query_capsule(bvh, start, way, pad, root)
             group = int(0)
             while wp.bvh_query_next(query, group, wp.float32(1.0)):
@@ -102,9 +105,10 @@ def cut_rays(
                     axis = motion.axis[row, 0]
                     if may_cut(part, tip, axis, motion.speed[row], o, d, window, ray, lists_out):
                         pairs += 1
-                        status = status | cut_by_segment(part, motion, row, o, d, window, tolerance, ray, lists_out)
+                        told = told | cut_by_segment(part, motion, row, o, d, window, tolerance, ray, lists_out)
                     row += step
             step = wp.where(step > 1, 1, 0)
+        status = status | told
     candidates_out[ray] = candidates
     pairs_out[ray] = pairs
     status_out[ray] = status
