@@ -102,6 +102,7 @@ class Status(IntFlag):
     OK = 0
     INTERVALS_OVERFLOW = 1
     NOT_CONVERGED = 2
+    GAP_UNDECIDED = 4
 
 
 REMEDIES = {
@@ -109,6 +110,8 @@ REMEDIES = {
     "raise `simulation.interval_slots`",
     Status.NOT_CONVERGED: "the search for a swept interval's end used up its evaluations before meeting "
     "`simulation.tolerance_mm`; loosen the tolerance or split the motion into shorter steps",
+    Status.GAP_UNDECIDED: "whether what a step removes from a ray is one stretch or two was not decided; "
+    "split the motion into shorter steps",
 }
 
 

@@ -7,7 +7,7 @@ from gearsim.kernels.interval import IntervalLists, covers
 from gearsim.kernels.options import OPTIONS
 from gearsim.kernels.pose import Motion
 from gearsim.kernels.profile import Cutter, Cutters, convex_part
-from gearsim.kernels.sweep import cut_by_segment
+from gearsim.kernels.sweep import STATUS_GAP_UNDECIDED, cut_by_segment
 from gearsim.kernels.tool_ray import greater
 
 f64 = wp.float64
@@ -63,8 +63,8 @@ def cut_rays(
     """Cut each ray by its job's segments whose bounds its window [tau_min, tau_max] meets, a convex part at a time.
 
     ``coarse`` of a job: its first row, and that every which row comes first, before all; those next to each other cut
-    nearly alike, so that most find their part cut already. The status is that of the last time, when every row is
-    looked at again but for those that take nothing more.
+    nearly alike, so that most find their part cut already. What a row may have taken too little of is told the last
+    time alone, when all are looked at that may take more; what one may have taken too much of is never forgotten.
     """
     ray = first + wp.tid()
     o = origin[ray]
@@ -87,7 +87,7 @@ def cut_rays(
         told = int(0)
         while step > 0:
             candidates = int(0)
-            told = int(0)
+            told = told & STATUS_GAP_UNDECIDED
             query = wp.bvh_query_capsule(bvh, start, way, pad, root)
             group = int(0)
             while wp.bvh_query_next(query, group, wp.float32(1.0)):

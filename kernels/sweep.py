@@ -15,6 +15,7 @@ f64 = wp.float64
 
 STATUS_INTERVALS_OVERFLOW = wp.constant(1)
 STATUS_NOT_CONVERGED = wp.constant(2)
+STATUS_GAP_UNDECIDED = wp.constant(4)  # what was taken may be too much; of the others it may be too little
 
 MAX_TURNS = wp.constant(40)
 MAX_ROUNDS = wp.constant(60)
@@ -182,7 +183,7 @@ def cut_by_segment(
                 first = lesser(sweep.first_x, sweep.last_x)
                 gap = find_gap(cutter, motion, row, origin, direction, first, greater(sweep.first_x, sweep.last_x))
                 if gap.outcome == LOST:
-                    status = status | STATUS_NOT_CONVERGED
+                    status = status | STATUS_GAP_UNDECIDED
                 elif gap.outcome == HIT:
                     x = gap.x
                     place = WITHIN
