@@ -14,6 +14,18 @@ class Turned:
 
     polygon: NDArray[np.floating]
 
+    @property
+    def box(self) -> tuple[NDArray, NDArray]:
+        """Lower and upper corner [mm], shape (3,), of the box along the axes around it."""
+        radius, (low, high) = float(self.polygon[:, 0].max()), (self.polygon[:, 1].min(), self.polygon[:, 1].max())
+        return np.array([-radius, -radius, low]), np.array([radius, radius, high])
+
+    @property
+    def volume(self) -> float:
+        """Its volume [mm³]: the frustums under all edges, those that run back taken away."""
+        (r0, z0), (r1, z1) = self.polygon.T, np.roll(self.polygon, -1, axis=0).T
+        return abs(float(np.pi / 3.0 * ((z1 - z0) * (r0**2 + r0 * r1 + r1**2)).sum()))
+
     def contains(self, points: NDArray) -> NDArray:
         """Whether points, shape (..., 3), lie inside (even-odd rule in the half plane)."""
         radius, z = np.hypot(points[..., 0], points[..., 1]), points[..., 2]

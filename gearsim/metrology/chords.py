@@ -6,23 +6,21 @@ import numpy as np
 
 from gearsim.geometry.rays import RayBundle, join_rays
 from gearsim.geometry.rigid import Rigid
-from gearsim.geometry.turned import Turned
+from gearsim.geometry.solid import Solid
 from gearsim.simulation.dexels import DexelBox
 
 _CELLS = 128
 
 
-def blank_rays(stock: Turned) -> RayBundle:
+def blank_rays(stock: Solid) -> RayBundle:
     """Rays along x, y and z through a whole blank, 128 cells along its longest edge."""
-    radius = float(stock.polygon[:, 0].max())
-    low, high = float(stock.polygon[:, 1].min()), float(stock.polygon[:, 1].max())
-    lower, upper = np.array([-radius, -radius, low]), np.array([radius, radius, high])
+    lower, upper = stock.box
     pitch = min(float((upper - lower).max()) / _CELLS, float((upper - lower).min()))
     box = DexelBox(Rigid(np.eye(3), np.zeros(3)), lower, upper, pitch)
     return join_rays([box.rays(axis) for axis in range(3)])
 
 
-def stock_chords(stock: Turned, rays: RayBundle, least: float) -> RayBundle:
+def stock_chords(stock: Solid, rays: RayBundle, least: float) -> RayBundle:
     """The rays' chords in a stock within their windows, a ray each; chords up to ``least`` [mm] are left out."""
     ray, start, end = stock.chords(rays.origin, rays.direction)
     start, end = np.maximum(start, rays.start[ray]), np.minimum(end, rays.end[ray])

@@ -20,7 +20,7 @@ from gearsim.metrology.findings import holder_cut
 from gearsim.metrology.grid import GridInspection
 from gearsim.metrology.inspection import Cut, Reading, Steps
 from gearsim.simulation.dexels import DexelBox
-from gearsim.simulation.intervals import IntervalSet, subtract
+from gearsim.simulation.intervals import IntervalSet, subtract, whole
 from gearsim.simulation.operation import Operation, Variant
 
 if TYPE_CHECKING:
@@ -54,9 +54,9 @@ class HolderInspection:
     name: str = "holders"
 
     def steps(self, job: Job) -> Steps[Reading]:
-        whole = job.variant(self.variant)
-        holders = tuple(o.carried(_TOLERANCE) for o in whole.operations if o.holder is not None)
-        moves = Moves.of(whole, replace(whole, operations=holders))
+        program = job.variant(self.variant)
+        holders = tuple(o.carried(_TOLERANCE) for o in program.operations if o.holder is not None)
+        moves = Moves.of(program, replace(program, operations=holders))
         touch, complete = yield from moves.first_touch(self._chords(job))
         doubts = () if complete else (f"holders come so close to the part that {_MOST} looks at them settled nothing",)
         if touch is None:
@@ -98,8 +98,8 @@ class Moves:
     def first_touch(self, chords: RayBundle) -> Steps[tuple[Touch | None, bool]]:
         """The first touch of material on chords that begin whole (None: there is none), and whether all was seen."""
         spans = [(0, 1 + max((int(m.max(initial=0)) for m in (*self.cut_moves, *self.held_moves)), default=0))]
-        chords = chords.part(_on(_lost(_whole(chords), (yield from self._swept(chords, *spans[0])))))
-        left = _whole(chords)
+        chords = chords.part(_on(_lost(whole(chords), (yield from self._swept(chords, *spans[0])))))
+        left = whole(chords)
         spans = spans if len(chords) else []
         for _ in range(_MOST):
             if not spans:
@@ -107,12 +107,12 @@ class Moves:
             begin, end = spans.pop()
             held, cut = yield [self._held(chords, begin, end), self._cut(chords, begin, end)]
             if not _seen(_lost(left, held)).any():
-                left = _minus(left, cut)
+                left = subtract(left, cut)
             elif end - begin > 1:
                 middle = (begin + end) // 2
                 spans += [(middle, end), (begin, middle)]
             else:
-                left = _minus(left, cut)
+                left = subtract(left, cut)
                 lost = _lost(left, held)
                 if _seen(lost).any():
                     return self._touch(chords, lost, held, begin), True
@@ -141,18 +141,9 @@ def _chosen(variant: Variant, moves: Sequence[NDArray], begin: int, end: int) ->
     return variant.chosen(lambda i, _: (moves[i] >= begin) & (moves[i] < end))
 
 
-def _whole(chords: RayBundle) -> IntervalSet:
-    n = len(chords)
-    return IntervalSet(np.arange(n + 1), chords.start, chords.end, np.full(n, -1), np.full(n, -1))
-
-
-def _minus(left: IntervalSet, cut: IntervalSet) -> IntervalSet:
-    return subtract(left.ray, left.lo, left.hi, cut)
-
-
 def _lost(left: IntervalSet, held: IntervalSet) -> IntervalSet:
     """What holders would take of what is left."""
-    return _minus(left, _minus(left, held))
+    return subtract(left, subtract(left, held))
 
 
 def _seen(lost: IntervalSet) -> NDArray[np.bool_]:

@@ -13,12 +13,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gearsim.geometry.rays import RayBundle, join_rays
-from gearsim.geometry.turned import Turned
+from gearsim.geometry.solid import Solid
 from gearsim.metrology.chords import blank_rays, stock_chords
 from gearsim.metrology.findings import rapid_cut
 from gearsim.metrology.inspection import Cut, Reading, Steps
 from gearsim.simulation.dexels import DexelBox
-from gearsim.simulation.intervals import IntervalSet, subtract
+from gearsim.simulation.intervals import IntervalSet, subtract, whole
 from gearsim.simulation.operation import Variant
 
 if TYPE_CHECKING:
@@ -78,7 +78,7 @@ def _ask(chords: RayBundle, variant: Variant, steps: NDArray[np.bool_]) -> Steps
     return removed
 
 
-def rapid_touch(stock: Turned, rays: RayBundle, variant: Variant, rapid: NDArray[np.bool_]) -> Steps[RapidTouch | None]:
+def rapid_touch(stock: Solid, rays: RayBundle, variant: Variant, rapid: NDArray[np.bool_]) -> Steps[RapidTouch | None]:
     """The first rapid step that removes material from the rays' chords in a blank; None where there is none.
 
     ``rapid`` (n,) says of every step of the program, in its order, whether it is one.
@@ -92,15 +92,14 @@ def rapid_touch(stock: Turned, rays: RayBundle, variant: Variant, rapid: NDArray
 
 def _first(chords: RayBundle, variant: Variant, rapid: NDArray[np.bool_]) -> Steps[RapidTouch | None]:
     """The first run of rapids that cuts what all feeds before it have left."""
-    step, none = np.arange(len(rapid)), np.full(len(chords), -1)
-    left, done = IntervalSet(np.arange(len(chords) + 1), chords.start, chords.end, none, none), 0
+    step, left, done = np.arange(len(rapid)), whole(chords), 0
     for begin, end in (yield from _suspects(chords, variant, _runs(rapid), rapid)):
         before = ~rapid & (step >= done) & (step < begin)
         if before.any():
-            left = subtract(left.ray, left.lo, left.hi, (yield from _ask(chords, variant, before)))
+            left = subtract(left, (yield from _ask(chords, variant, before)))
         done = begin
         cut = yield from _ask(chords, variant, rapid & (step >= begin) & (step < end))
-        lost = subtract(left.ray, left.lo, left.hi, subtract(left.ray, left.lo, left.hi, cut))
+        lost = subtract(left, subtract(left, cut))
         seen = np.flatnonzero(lost.hi - lost.lo > _SEEN_MM)
         if len(seen):
             i = seen[0]

@@ -10,8 +10,8 @@ from numpy.typing import NDArray
 from gearsim.errors import InputError
 from gearsim.geometry.rays import RayBundle
 from gearsim.geometry.rigid import Rigid
-from gearsim.geometry.turned import Turned
-from gearsim.simulation.intervals import IntervalSet, subtract
+from gearsim.geometry.solid import Solid
+from gearsim.simulation.intervals import IntervalSet, stretches, subtract
 from gearsim.simulation.room import require_room
 
 _MOST_CELLS = 20_000
@@ -91,13 +91,12 @@ class DexelStock:
         return self.rays.origin[ray] + tau[:, None] * self.rays.direction[ray], segment[made]
 
 
-def machined_stock(box: DexelBox, axis: int, blank: Turned, removed: IntervalSet) -> DexelStock:
+def machined_stock(box: DexelBox, axis: int, blank: Solid, removed: IntervalSet) -> DexelStock:
     """What a blank leaves in one bundle of a box after the intervals ``removed`` are taken out."""
     rays = box.rays(axis)
     ray, start, end = blank.chords(rays.origin, rays.direction)
     start, end = np.clip(start, 0.0, rays.end[ray]), np.clip(end, 0.0, rays.end[ray])
-    inside = end > start
-    ray, start, end = ray[inside], start[inside], end[inside]
-    left = subtract(ray, start, end, removed)
+    full = stretches(len(rays), ray, start, end)
+    left = subtract(full, removed)
     area = box.cell_area(axis)
-    return DexelStock(rays, left, area * float((end - start).sum()), area * float((left.hi - left.lo).sum()))
+    return DexelStock(rays, left, area * full.length, area * left.length)

@@ -8,6 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from gearsim.geometry.rays import RayBundle
+
 
 @dataclass(frozen=True)
 class IntervalSet:
@@ -28,6 +30,11 @@ class IntervalSet:
         """The ray each interval belongs to."""
         return np.repeat(np.arange(len(self.first) - 1), np.diff(self.first))
 
+    @property
+    def length(self) -> float:
+        """Length of all intervals together [mm]."""
+        return float((self.hi - self.lo).sum())
+
     def part(self, begin: int, end: int, row: int) -> IntervalSet:
         """The intervals of the rays begin to end, segments counted from ``row``."""
         own = slice(self.first[begin], self.first[end])
@@ -41,6 +48,21 @@ def nothing(rays: int) -> IntervalSet:
     """No interval on any of some rays."""
     none = np.empty(0)
     return IntervalSet(np.zeros(rays + 1, dtype=int), none, none, none.astype(int), none.astype(int))
+
+
+def stretches(rays: int, ray: NDArray, lo: NDArray, hi: NDArray, made: int = -1) -> IntervalSet:
+    """Stretches that have a length, all made by one; ``ray`` (n,) rises, as Solid.chords gives it."""
+    real = hi > lo
+    first = np.concatenate([[0], np.cumsum(np.bincount(ray[real], minlength=rays))])
+    by = np.full(int(real.sum()), made, dtype=np.int32)
+    return IntervalSet(first, lo[real], hi[real], by, by)
+
+
+def whole(rays: RayBundle) -> IntervalSet:
+    """Every ray's window."""
+    n = len(rays)
+    none = np.full(n, -1)
+    return IntervalSet(np.arange(n + 1), rays.start, rays.end, none, none)
 
 
 def concatenate(sets: Sequence[IntervalSet]) -> IntervalSet:
@@ -77,17 +99,18 @@ def unite(sets: Sequence[IntervalSet]) -> IntervalSet:
     return IntervalSet(np.concatenate([[0], np.cumsum(count)]), at[starts], at[ends], made[starts], made[ends])
 
 
-def subtract(ray: NDArray, start: NDArray, end: NDArray, removed: IntervalSet) -> IntervalSet:
-    """What is left of stock intervals (``ray`` rising, as Turned.chords returns them) after removal.
+def subtract(left: IntervalSet, removed: IntervalSet) -> IntervalSet:
+    """What is left of stretches of material after removal from the same rays; ends keep who made them.
 
-    Sorts all interval ends along each ray and keeps the stretches that are in stock and in no cut.
+    Sorts all interval ends along each ray and keeps the stretches that are in the material and in no cut.
     """
-    n, m = len(ray), len(removed.lo)
-    rays = np.concatenate([ray, ray, removed.ray, removed.ray])
-    at = np.concatenate([start, end, removed.lo, removed.hi])
+    n, m = len(left.lo), len(removed.lo)
+    own, other = left.ray, removed.ray
+    rays = np.concatenate([own, own, other, other])
+    at = np.concatenate([left.lo, left.hi, removed.lo, removed.hi])
     stock = np.concatenate([np.ones(n), -np.ones(n), np.zeros(2 * m)]).astype(int)
     cut = np.concatenate([np.zeros(2 * n), np.ones(m), -np.ones(m)]).astype(int)
-    made = np.concatenate([np.full(2 * n, -1), removed.lo_segment, removed.hi_segment])
+    made = np.concatenate([left.lo_segment, left.hi_segment, removed.lo_segment, removed.hi_segment])
     order = np.lexsort((at, rays))
     rays, at, made = rays[order], at[order], made[order]
     alive = (np.cumsum(stock[order]) > 0) & (np.cumsum(cut[order]) == 0)

@@ -1,4 +1,4 @@
-"""A transverse section through a turned stock as cut: parallel rays in one plane."""
+"""A transverse section through a stock as cut: parallel rays in one plane."""
 
 from __future__ import annotations
 
@@ -8,8 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gearsim.geometry.rays import RayBundle
-from gearsim.geometry.turned import Turned
-from gearsim.simulation.intervals import IntervalSet, subtract
+from gearsim.geometry.solid import Solid
+from gearsim.simulation.intervals import IntervalSet, stretches, subtract
 
 
 @dataclass(frozen=True)
@@ -22,7 +22,7 @@ class Section:
     left: IntervalSet
 
 
-def section(rays: RayBundle, stock: Turned, removed: IntervalSet) -> Section:
+def section(rays: RayBundle, stock: Solid, removed: IntervalSet) -> Section:
     """What is left along the section's rays."""
-    left = subtract(*stock.chords(rays.origin, rays.direction), removed)
+    left = subtract(stretches(len(rays), *stock.chords(rays.origin, rays.direction)), removed)
     return Section(float(rays.origin[0, 2]), rays.origin[:, 1], float(rays.origin[0, 0]), left)

@@ -1,12 +1,13 @@
 import numpy as np
 
-from gearsim.simulation.intervals import IntervalSet, from_lists, subtract, unite
+from gearsim.simulation.intervals import IntervalSet, from_lists, stretches, subtract, unite
 
 
-def as_set(per_ray):
+def as_set(per_ray, made=None):
     first = np.cumsum([0] + [len(r) for r in per_ray])
     lo, hi = (np.array([i[k] for r in per_ray for i in r], dtype=float) for k in (0, 1))
-    return IntervalSet(first, lo, hi, np.arange(len(lo)), np.arange(len(lo)))
+    by = np.arange(len(lo)) if made is None else np.full(len(lo), made)
+    return IntervalSet(first, lo, hi, by, by)
 
 
 def test_lists_become_compact_rows():
@@ -36,7 +37,7 @@ def test_subtraction_leaves_what_pointwise_membership_says(rng):
         disjoint.append(out)
     ray = np.concatenate([[i] * (len(s) // 2) for i, s in enumerate(stock)])
     start, end = (np.concatenate([s[k::2] for s in stock]) for k in (0, 1))
-    left = subtract(ray, start, end, as_set(disjoint))
+    left = subtract(stretches(rays, ray, start, end), as_set(disjoint))
     for i in range(rays):
         tau = rng.uniform(-1, 11, 300)
         in_stock = np.any([(tau > a) & (tau < b) for a, b in zip(stock[i][::2], stock[i][1::2], strict=True)], axis=0)
@@ -49,7 +50,7 @@ def test_subtraction_leaves_what_pointwise_membership_says(rng):
 
 
 def test_ends_remember_who_made_them():
-    left = subtract(np.array([0]), np.array([0.0]), np.array([10.0]), as_set([[(2.0, 3.0), (9.0, 12.0)]]))
+    left = subtract(as_set([[(0.0, 10.0)]], made=-1), as_set([[(2.0, 3.0), (9.0, 12.0)]]))
     assert left.lo.tolist() == [0.0, 3.0]
     assert left.hi.tolist() == [2.0, 9.0]
     assert left.lo_segment.tolist() == [-1, 0]
