@@ -20,7 +20,6 @@ from gearsim.errors import InputError, NumericalError, Status, explain
 from gearsim.geometry.rays import RayBundle, join_rays
 from gearsim.kernels import removal as kernels
 from gearsim.kernels import ring_removal as ring_kernels
-from gearsim.kernels.interval import IntervalLists
 from gearsim.kernels.loading import load_kernels, start_warp
 from gearsim.motion.segments import SegmentTable, join
 from gearsim.simulation.intervals import IntervalSet, concatenate, from_lists
@@ -28,6 +27,7 @@ from gearsim.simulation.tools import (
     cutter_data,
     group_data,
     grouped_bvh,
+    interval_lists,
     motion_data,
     ring_data,
     row_groups,
@@ -267,7 +267,7 @@ class Loaded:
         ]
         if not self.ring:
             inputs += [wp.array(number, dtype=wp.int32, device=self.device), self.coarse]
-        lists = self._lists(n)
+        lists = interval_lists(n, self.slots, self.device)
         counters = [wp.zeros(n, dtype=wp.int32, device=self.device) for _ in range(3)]
 
         def launch(begin: int, size: int) -> int:
@@ -301,14 +301,3 @@ class Loaded:
         with ThreadPoolExecutor(threads) as pool:
             for done in as_completed([pool.submit(launch, *s) for s in slices]):
                 progress(done.result())
-
-    def _lists(self, n: int) -> IntervalLists:
-        lists = IntervalLists()
-        shape = (n, self.slots)
-        lists.lo = wp.empty(shape, dtype=wp.float64, device=self.device)
-        lists.hi = wp.empty(shape, dtype=wp.float64, device=self.device)
-        lists.lo_segment = wp.empty(shape, dtype=wp.int32, device=self.device)
-        lists.hi_segment = wp.empty(shape, dtype=wp.int32, device=self.device)
-        lists.count = wp.zeros(n, dtype=wp.int32, device=self.device)
-        lists.slots = self.slots
-        return lists

@@ -13,6 +13,7 @@ from gearsim.cutters.checks import CORNER, joints, turn
 from gearsim.cutters.element import Element
 from gearsim.cutters.profile import Profile
 from gearsim.kernels.cull import Groups
+from gearsim.kernels.interval import IntervalLists
 from gearsim.kernels.pose import Motion
 from gearsim.kernels.profile import ARC, LINE, Cutters
 from gearsim.kernels.ring import Ring
@@ -143,6 +144,16 @@ def grouped_bvh(groups: Sequence[RowGroups], device: str) -> wp.Bvh:
         *(wp.array(b, dtype=wp.vec3, device=device) for b in bounds),
         groups=wp.array(job, dtype=wp.int32, device=device),
     )
+
+
+def interval_lists(rays: int, slots: int, device: str) -> IntervalLists:
+    """Empty lists of so many rays, with room for so many intervals each."""
+    lists, shape = IntervalLists(), (rays, slots)
+    lists.lo, lists.hi = (wp.empty(shape, dtype=wp.float64, device=device) for _ in range(2))
+    lists.lo_segment, lists.hi_segment = (wp.empty(shape, dtype=wp.int32, device=device) for _ in range(2))
+    lists.count = wp.zeros(rays, dtype=wp.int32, device=device)
+    lists.slots = slots
+    return lists
 
 
 def segment_bounds(table: SegmentTable, cutter: Profile) -> tuple[NDArray, NDArray]:
