@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from math import nan
 
 import numpy as np
 
@@ -71,8 +72,10 @@ def cl_operations(
             rapid = [program.paths[i].name == RAPID for i in mine]
             name = "CL data" if len(program.tools) == 1 else str(tool)
             lines = [program.paths[i].lines or [0] * len(program.paths[i].tips) for i in mine]
+            seconds = [program.paths[i].seconds or [nan] * len(program.paths[i].tips) for i in mine]
             alone = operation(
-                name, cutter, [sources[i] for i in mine], tolerance, rapid=rapid, holder=holder, lines=lines
-            )
+                name, cutter, [sources[i] for i in mine], tolerance, rapid=rapid, holder=holder, lines=lines,
+                seconds=seconds,
+            )  # fmt: skip
             made.append(replace(alone, step=np.array(mine)[alone.step]))
     return tuple(made)

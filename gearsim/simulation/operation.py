@@ -4,16 +4,18 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from gearsim.cutters.profile import Profile
 from gearsim.geometry.pose import PoseSeries
+from gearsim.geometry.rigid import Rigid
 from gearsim.motion.segments import SegmentTable, compile_motion, join
-from gearsim.motion.sources import MotionSource
+from gearsim.motion.sources import MotionSource, MovedMotion
 
-_COLUMNS = ("rapid", "step", "line", "section")
+_COLUMNS = ("rapid", "step", "line", "section", "seconds")
 
 
 @dataclass(frozen=True)
@@ -38,7 +40,8 @@ class Operation:
     ``table.path`` numbers the ``sources``. Of the table's rows, all shape (rows,), ``rapid`` says whether they are run
     by rapid, ``step`` which move of the whole program they belong to, in its order, ``line`` in which line of
     ``text``, the program they came from, it stands (0: in none), and ``section`` under which of the program's
-    ``headings``, where they are known. ``holder`` is what stands above the cutter, where it is given.
+    ``headings``, where they are known; ``seconds`` how long a row takes (nan: no feed says it, or it is by rapid).
+    ``holder`` is what stands above the cutter, where it is given.
     """
 
     name: str
@@ -49,6 +52,7 @@ class Operation:
     step: NDArray[np.integer]
     line: NDArray[np.integer]
     section: NDArray[np.integer]
+    seconds: NDArray[np.floating]
     text: str = ""
     headings: tuple[str, ...] = ()
     holder: Profile | None = None
@@ -59,7 +63,7 @@ class Operation:
 
     def part(self, rows: NDArray) -> Operation:
         """The same operation with the chosen rows alone: a mask or indices."""
-        columns = {name: getattr(self, name)[rows] for name in _COLUMNS}
+        columns: dict[str, Any] = {name: getattr(self, name)[rows] for name in _COLUMNS}
         return replace(self, table=self.table.part(rows), **columns)
 
     def carried(self, tolerance: float) -> Operation:
@@ -75,7 +79,7 @@ class Operation:
         kept, row = np.unique(here, return_index=True)
         table = table.part(np.isin(there, kept))
         same = row[np.searchsorted(kept, there[np.isin(there, kept)])]
-        columns = {name: getattr(self, name)[same] for name in _COLUMNS}
+        columns: dict[str, Any] = {name: getattr(self, name)[same] for name in _COLUMNS}
         return replace(self, cutter=self.holder, holder=None, table=table, **columns)
 
     def motions(self) -> list[MotionSource]:
@@ -127,18 +131,41 @@ class Variant:
 
 def operation(
     name: str, cutter: Profile, sources: Sequence[MotionSource], tolerance: float, *, rapid: Sequence[bool] = (),
-    holder: Profile | None = None, lines: Sequence[Sequence[int]] = (),
+    holder: Profile | None = None, lines: Sequence[Sequence[int]] = (), seconds: Sequence[Sequence[float]] = (),
 ) -> Operation:  # fmt: skip
     """Compile motions of one tool to a tolerance [mm], a step each; ``rapid`` says which are (none given: none is).
 
-    ``lines``: of each motion the line of the program that each of its points is stated in, one more than its pieces; a
-    piece goes to the end of its line.
+    Of each motion the points, one more than its pieces: ``lines`` of the program that state them, and ``seconds`` on
+    the way to them; a piece goes to the end of its line.
     """
     table = join([compile_motion(source, cutter.reach, tolerance) for source in sources])
     fast = np.array(rapid or [False] * len(sources))[table.path]
-    nothing = np.zeros(len(table), dtype=int)
-    line = nothing
-    if lines:
-        first = np.cumsum([0, *map(len, lines)])
-        line = np.concatenate([np.asarray(given, dtype=int) for given in lines])[first[table.path] + table.piece + 1]
-    return Operation(name, cutter, tuple(sources), table, fast, table.path, line, nothing, holder=holder)
+    line = _at_the_end(table, lines, 0).astype(int)
+    time = _at_the_end(table, seconds, np.nan) * (table.end - table.start)
+    still = np.zeros(len(table), dtype=int)
+    return Operation(name, cutter, tuple(sources), table, fast, table.path, line, still, time, holder=holder)
+
+
+def _at_the_end(table: SegmentTable, values: Sequence[Sequence[float]], without: float) -> NDArray:
+    """Of every row what is given for the point at its piece's end."""
+    if not values:
+        return np.full(len(table), without)
+    first = np.cumsum([0, *map(len, values)])
+    return np.concatenate([np.asarray(given) for given in values])[first[table.path] + table.piece + 1]
+
+
+def turned_copies(once: Operation, count: int) -> Operation:
+    """An operation done ``count`` times, the part indexed about its z axis by as many equal steps in a whole turn."""
+    angles = 2.0 * np.pi * np.arange(count) / count
+    cos, sin, zero = np.cos(angles), np.sin(angles), np.zeros(count)
+    rotations = np.stack([cos, -sin, zero, sin, cos, zero, zero, zero, zero + 1.0], axis=1).reshape(-1, 3, 3)
+    turns = [Rigid(rotation, np.zeros(3)) for rotation in rotations]
+    sources = [
+        once.sources if k == 0 else tuple(MovedMotion(s, turn) for s in once.sources) for k, turn in enumerate(turns)
+    ]
+    table = join([once.table if k == 0 else once.table.moved(turn) for k, turn in enumerate(turns)])
+    number = np.repeat(np.arange(count), len(once))
+    columns: dict[str, Any] = {name: np.tile(getattr(once, name), count) for name in _COLUMNS}
+    columns["step"] = columns["step"] + number * (1 + int(once.step.max(initial=-1)))
+    path = np.tile(once.table.path, count) + number * len(once.sources)
+    return replace(once, table=replace(table, path=path), sources=tuple(s for some in sources for s in some), **columns)

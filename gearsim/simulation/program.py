@@ -34,7 +34,7 @@ def program_operations(
         found.append(
             Operation(
                 f"T{number}", cutter, (MovedMotion(source, shift),), table, blocks.rapid[step], step, blocks.line[step],
-                blocks.operation[step], text=text, headings=headings,
+                blocks.operation[step], blocks.seconds[step] * (table.end - table.start), text=text, headings=headings,
                 holder=(holders or {}).get(number),
             )
         )  # fmt: skip

@@ -1,5 +1,6 @@
 """FEDRAT and SPINDL in the spellings of CAM systems: feeds in mm/min, exact."""
 
+import numpy as np
 import pytest
 
 from gearsim.errors import InputError
@@ -93,3 +94,12 @@ def test_a_rapid_move_needs_no_spindle_speed():
 def test_moves_before_the_first_feed_are_told():
     program = parse_cl("UNITS/MM\nGOTO/0,0,0\nGOTO/1,0,0\nFEDRAT/30\nGOTO/2,0,0\n")
     assert program.notes == ("cutting moves before the first FEDRAT state no feed (line 3)",)
+
+
+def test_moves_take_the_time_that_their_feeds_say():
+    head = "FROM/0,0,50\nRAPID\nGOTO/0,0,10\nFEDRAT/300,MMPM\n"
+    text = head + "GOTO/0,0,0\nGOTO/30,0,0\nFEDRAT/120,INVERS\nGOTO/30,0,0,0.6,0,0.8\n"
+    rapid, cut = parse_cl(text).paths
+    assert np.isnan(rapid.seconds).all()
+    assert np.isnan(cut.seconds[0])
+    assert cut.seconds[1:] == pytest.approx([2.0, 6.0, 0.5])

@@ -1,3 +1,5 @@
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -9,7 +11,7 @@ from gearsim.geometry.solid import Block
 from gearsim.geometry.turned import Turned
 from gearsim.motion.sources import CLMotion
 from gearsim.simulation.dexels import DexelBox
-from gearsim.simulation.operation import operation
+from gearsim.simulation.operation import operation, turned_copies
 from gearsim.simulation.stock import AXES, blank_stock, cut_stock, turn_stock
 from gearsim.simulation.stock_file import load_stock, save_stock
 from gearsim.simulation.workshop import Workshop
@@ -135,6 +137,29 @@ def test_files_that_are_no_stock_are_told(cut, tmp_path):
 def test_a_folder_that_cannot_be_written_is_told(cut, tmp_path):
     with pytest.raises(InputError, match="cannot be written"):
         save_stock(cut, tmp_path / "none" / "stock.parquet")
+
+
+def test_a_gear_is_cut_by_turned_copies_of_one_space(shop):
+    """The copies in one operation are those one by one, the part indexed; steps and motions go on counting."""
+    disc = Turned(np.array([[0.0, 0.0], [12.0, 0.0], [12.0, 4.0], [0.0, 4.0]]))
+    once = line("space", ball(3.0, 30.0), (10.0, 0.0, -2.0), (10.0, 0.0, 7.0), axis=np.array([1.0, 0.0, 0.0]))
+    all_five = turned_copies(once, 5)
+    blank = blank_stock(box_around(disc, 0.5, 0.1), disc)
+    left = cut_stock(blank, [all_five], shop)
+    turns = [Rigid(np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]]), np.zeros(3)) for c, s in
+             ((np.cos(a), np.sin(a)) for a in 0.4 * np.pi * np.arange(5))]  # fmt: skip
+    each = cut_stock(blank, [replace(once, table=once.table.moved(turn)) for turn in turns], shop)
+    for a, b in zip(left.left, each.left, strict=True):
+        assert np.array_equal(a.first, b.first)
+        assert np.allclose(a.lo, b.lo, atol=3e-9)
+        assert np.allclose(a.hi, b.hi, atol=3e-9)
+    assert left.volumes[2] < 0.95 * blank.volumes[2]
+    assert len(all_five.sources) == 5
+    assert np.array_equal(np.unique(all_five.step), np.arange(5))
+    piece, t = np.zeros(1, dtype=int), np.full(1, 0.5)
+    for k, source in enumerate(all_five.sources):
+        expected = turns[k].point(once.sources[0].pose(piece, t, 0).tip.value)
+        assert np.allclose(source.pose(piece, t, 0).tip.value, expected)
 
 
 def test_turning_leaves_what_lies_within_the_outline(shop):

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from decimal import Decimal
+from math import nan
 from typing import Literal
 
 from gearsim.errors import InputError
@@ -49,6 +50,12 @@ class Feed:
         if spindle.rpm is None:
             raise InputError(f"{self.unit} is a feed per revolution, and {spindle.why_none}; SPINDL/number states it")
         return times(self.amount, spindle.rpm)
+
+    def seconds(self, length: float, spindle: Spindle) -> float:
+        """How long a move of ``length`` mm takes; nan where the tip stands still and the feed is the tip's."""
+        if self.kind == "inverse":
+            return 60.0 / float(self.amount)
+        return 60.0 * length / self.mm_min(length, spindle) if length > 0.0 else nan
 
 
 def read_feed(line: int, rest: str, unit: Decimal, before: Feed | None) -> Feed:

@@ -18,7 +18,8 @@ class CLPath:
     """Consecutive moves of one kind: ``tips`` [mm] and unit ``axes``, shape (n, 3), first point included.
 
     ``name`` is the pass's name (UNNAMED: the file gives none), or RAPID for moves at rapid rate; ``tool`` counts the
-    program's tools from 0. ``lines`` (n,): the line of the file that each point is stated in, from 1 (empty: no file).
+    program's tools from 0. ``lines`` (n,): the line of the file that each point is stated in, from 1 (empty: no file);
+    ``seconds`` (n,): how long the move to each point takes (nan: by rapid, or no feed says it; empty: none does).
     """
 
     name: str
@@ -26,6 +27,7 @@ class CLPath:
     axes: NDArray[np.floating]
     tool: int = 0
     lines: tuple[int, ...] = ()
+    seconds: tuple[float, ...] = ()
 
 
 @dataclass(frozen=True)
