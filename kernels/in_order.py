@@ -15,6 +15,8 @@ f32 = wp.float32
 
 wp.set_module_options(OPTIONS)
 
+SEEN = wp.constant(f64(4.0))  # ends within tolerance: what two of them differ by is nothing taken
+
 
 @wp.struct
 class RowTree:
@@ -100,6 +102,8 @@ def cut_in_order(
     o = origin[ray]
     d = direction[ray]
     window = wp.vec2d(tau_min[ray], tau_max[ray])
+    if window[0] >= window[1]:
+        return
     start = wp.vec3(o + window[0] * d)
     way = wp.vec3((window[1] - window[0]) * d)
     extent = extent_of(o + window[0] * d, o + window[1] * d)
@@ -131,7 +135,7 @@ def cut_in_order(
                 if may_cut(part, tip, axis, motion.speed[row], o, d, window, ray, lists_out):
                     status = status | cut_by_segment(part, motion, row, o, d, window, tolerance, ray, lists_out)
             now = taken(lists_out, material, ray)
-            if now > before:
+            if now > before + SEEN * tolerance:
                 wp.atomic_add(length_out, worker, row, now - before)
                 before = now
     status_out[ray] = status

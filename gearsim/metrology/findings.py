@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from gearsim.metrology.deviation import Crossing, Deviation
 from gearsim.metrology.samples import SampleGrid
 from gearsim.surfaces.blank import BevelBlank
-from gearsim.surfaces.part import Tolerance
+from gearsim.surfaces.part import Part, Tolerance
 
 _SEEN_MM = 1e-5
 _DEEPER_MM = 1e-6
@@ -69,6 +69,23 @@ def holder_cut(blank: BevelBlank | None, place: NDArray, rays: int, name: str) -
     """The first place where a holder, called ``name``, touches material: it fails, whatever the depth."""
     text = f"{name} touches material: it cuts into what stands on {rays} rays"
     return _place("holder_cut", "part", blank, place, None, True, text)
+
+
+def through_material(part: Part, place: NDArray, depth_um: float, name: str) -> Finding:
+    """The first place where a rapid move, called ``name``, goes through material that stands before it."""
+    text = f"{name} goes through material, {1e-3 * depth_um:.4g} mm of it along a ray"
+    return _place("rapid_cut", "blank", _blank(part), place, None, True, text)
+
+
+def stock_out_of_tolerance(part: Part, surface: str, place: NDArray, depth_um: float) -> Finding:
+    """The worst end of a whole stock's rays near a surface, on one side."""
+    what = "too much is left of" if depth_um > 0.0 else "too much is taken from"
+    text = f"{what} the {surface} surface somewhere on the whole part"
+    return _place("stock_out_of_tolerance", surface, _blank(part), place, depth_um, True, text)
+
+
+def _blank(part: Part) -> BevelBlank | None:
+    return next((s.patch.blank for s in part.surfaces.values()), None)
 
 
 def off_the_blank(patch: str, blank: BevelBlank, place: NDArray, depth_um: float | None, text: str) -> Finding:

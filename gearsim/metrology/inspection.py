@@ -18,6 +18,7 @@ from gearsim.envelope import EnvelopeRoad, machined_along
 from gearsim.geometry.rays import RayBundle, join_rays
 from gearsim.metrology.findings import Finding
 from gearsim.simulation.operation import Variant
+from gearsim.simulation.sequence import Machining, machine
 
 if TYPE_CHECKING:
     from gearsim.metrology.job import Job
@@ -40,7 +41,13 @@ class Solve(NamedTuple):
     variant: Variant
 
 
-Question = Cut | Solve
+class Machine(NamedTuple):
+    """What do operations, one after the other, leave of a whole blank? Answer: a Machined."""
+
+    machining: Machining
+
+
+Question = Cut | Solve | Machine
 Steps = Generator[list[Question], list[Any], T]
 
 
@@ -124,7 +131,9 @@ def answer(questions: Sequence[Question], workshop: Workshop) -> list[Any]:
     cuts = [(q.rays, q.variant.operations) for q in questions if isinstance(q, Cut)]
     removed = iter(workshop.cut(cuts) if cuts else [])
     solved = iter(_solved([q for q in questions if isinstance(q, Solve)], workshop))
-    return [next(removed) if isinstance(q, Cut) else next(solved) for q in questions]
+    machined = (machine(q.machining, workshop) for q in questions if isinstance(q, Machine))
+    found = {Cut: removed, Solve: solved, Machine: machined}
+    return [next(found[type(q)]) for q in questions]
 
 
 def _solved(questions: Sequence[Solve], workshop: Workshop) -> list[EnvelopeRoad]:

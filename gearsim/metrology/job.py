@@ -7,7 +7,7 @@ from dataclasses import dataclass, field, replace
 from typing import Any
 
 from gearsim.errors import InputError
-from gearsim.metrology.inspection import Cut, Inspection, Question, Reading, Solve, Steps, together
+from gearsim.metrology.inspection import Cut, Inspection, Machine, Question, Reading, Solve, Steps, together
 from gearsim.simulation.operation import Variant
 from gearsim.surfaces.part import Part
 
@@ -81,4 +81,5 @@ def _apart(a: Variant, b: Variant) -> bool:
 def counted(questions: list[Question]) -> tuple[int, int]:
     """How many rays are cut, once for every operation, and how many are solved for."""
     cut = sum(len(q.rays) * len(q.variant.operations) for q in questions if isinstance(q, Cut))
+    cut += sum(q.machining.rays for q in questions if isinstance(q, Machine))
     return cut, sum(len(q.rays) for q in questions if isinstance(q, Solve))

@@ -10,6 +10,7 @@ A presenter module may have any of these functions; ``found`` are a result's mea
 | ``layers(result, found)`` | arrays for the 3D pictures, which are listed in ``output.drawer`` |
 | ``maps(result, found)`` | parts of EXR files: channels by part, by file name |
 | ``rows(result, found)`` | columns of samples.parquet, one table a surface |
+| ``data(result, found)`` | what writes each data file of its own, by file name |
 | ``columns(result, found)`` | more columns of these tables, by surface |
 | ``screen(result, found, console)`` | prints what a user wants first |
 | ``files(job, asked)`` | names of the files that may come of a job's inspections, known before it is run |
@@ -38,6 +39,7 @@ _MODULES = {
     "ProfileMeasurement": "mean_profile",
     "ConvergenceMeasurement": "convergence",
     "DexelMeasurement": "dexels",
+    "StockMeasurement": "stock",
     "ToothMeasurement": "tooth",
     "BudgetMeasurement": "gear.budget",
     "RoughnessMeasurement": "gear.rough",

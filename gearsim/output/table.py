@@ -1,4 +1,4 @@
-"""samples.parquet: every dense sample of every surface, one row each; what does not exist is null."""
+"""Tables as Parquet, samples of every surface before all, one row each; what does not exist is null."""
 
 from __future__ import annotations
 
@@ -13,8 +13,8 @@ from gearsim.output.exr import stated
 from gearsim.result import Result
 
 
-def write_parquet(tables: list[dict[str, Column]], result: Result, file: Path) -> None:
-    """Write samples, one table of columns a surface, with what the file states in its metadata.
+def write_columns(tables: list[dict[str, Column]], result: Result, file: Path) -> None:
+    """Write tables of columns one below the other, with what the file states in its metadata.
 
     A column that a table lacks is null in its rows, as is every number that is masked or not finite. Codes are words:
     a dictionary column opens as another kind of thing in each reader, and Parquet packs words as small. Unit, meaning
@@ -37,9 +37,10 @@ def write_parquet(tables: list[dict[str, Column]], result: Result, file: Path) -
 
 def _together(tables: list[dict[str, Column]], name: str) -> Column:
     """One column for what is said of it in several tables; its key goes by surface where surfaces differ."""
-    keys = {str(table["surface"].values.flat[0]): table[name].key for table in tables}
     first = tables[0][name]
-    return first if all(key == first.key for key in keys.values()) else first._replace(key=keys)
+    if all(table[name].key == first.key for table in tables):
+        return first
+    return first._replace(key={str(table["surface"].values.flat[0]): table[name].key for table in tables})
 
 
 def _texts(told: dict[str, Any]) -> dict[str, str]:

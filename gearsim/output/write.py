@@ -19,7 +19,7 @@ from gearsim.output.painting import Painters
 from gearsim.output.presenters import collected, promised
 from gearsim.output.report import report_text
 from gearsim.output.summary import summary, write_json
-from gearsim.output.table import write_parquet
+from gearsim.output.table import write_columns
 from gearsim.output.wanted import Wanted
 from gearsim.result import Result
 
@@ -88,7 +88,11 @@ def _write_data(result: Result, stage: Path, wanted: Wanted) -> None:
             write_exr(parts, notes, stage / name, _tolerance_um(result))
     tables = _tables(result) if wanted.file(SAMPLES) else []
     if tables:
-        write_parquet(tables, result, stage / SAMPLES)
+        write_columns(tables, result, stage / SAMPLES)
+    for given in collected(result, "data"):
+        for name, write in given.items():
+            if wanted.file(name):
+                write(stage / name)
     for name, text in result.job.files.items():
         if wanted.file(name):
             (stage / name).write_text(text, encoding="utf-8")

@@ -19,6 +19,7 @@ from gearsim.metrology.study import Change, study_steps
 from gearsim.metrology.verdict import verdict
 from gearsim.output.presenters import flat_figures
 from gearsim.processes.claims import Claim
+from gearsim.processes.whole_part import with_stock
 from gearsim.result import Result, versions
 from gearsim.scene import Scene, load_scene
 from gearsim.scene.printed import printed_elsewhere
@@ -68,6 +69,8 @@ def plan(scene: Scene, folder: Path | None = None) -> Job:
     if elsewhere:
         scene = scene.model_copy(update={"reference": None})
     job: Job = _planner(scene).plan(scene, folder)
+    if scene.stock is not None:
+        job = with_stock(job, scene.stock)
     return replace(job, notes=(*job.notes, elsewhere)) if elsewhere else job
 
 

@@ -15,6 +15,7 @@ from gearsim.errors import InputError
 from gearsim.geometry.rigid import Rigid
 from gearsim.machines.chain import Machine
 from gearsim.programs.gcode import ReadSettings
+from gearsim.scene.base import Scene
 from gearsim.scene.bevel import GeneratorTable, Number, ToothTable
 from gearsim.scene.catalogue import AnyCutter, AnyMachine
 from gearsim.scene.cylindrical import CylindricalGearTable
@@ -23,7 +24,7 @@ from gearsim.scene.generated import FaceMilledTable, HeadTable, HypoidTable
 from gearsim.scene.holder import HolderTable
 from gearsim.scene.program import ControlTable, OffsetName
 from gearsim.scene.sculptured import NurbsTable
-from gearsim.scene.tables import Count, GridTable, Length, Scene, Table
+from gearsim.scene.tables import Count, GridTable, Length, Table
 from gearsim.surfaces.hypoid import HypoidPinion
 from gearsim.surfaces.patch import Tooth
 

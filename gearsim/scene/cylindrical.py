@@ -12,11 +12,12 @@ from gearsim.cutters.profile import Profile
 from gearsim.errors import InputError
 from gearsim.machines.chain import Machine
 from gearsim.programs.gcode import ReadSettings
+from gearsim.scene.base import Scene, SimulationTable
 from gearsim.scene.bevel import Number
 from gearsim.scene.catalogue import AnyMachine
 from gearsim.scene.cylindrical_paths import EndMillTable, GearPathTable
 from gearsim.scene.program import ControlTable, PostTable
-from gearsim.scene.tables import Angle, Count, GridTable, Length, LengthOrZero, Scene, SimulationTable, Table
+from gearsim.scene.tables import Angle, Count, GridTable, Length, LengthOrZero, Table
 from gearsim.surfaces.cylindrical_gear import CylindricalGear
 from gearsim.surfaces.flank_modification import FlankModification, Relief
 from gearsim.toolpaths.cylindrical.settings import Finishing, Settings

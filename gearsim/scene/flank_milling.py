@@ -9,11 +9,12 @@ from typing import Literal
 from pydantic import Field, model_validator
 
 from gearsim.cutters.profile import Profile
+from gearsim.scene.base import Scene
 from gearsim.scene.bevel import BevelBlankTable, GeneratorTable, Number, ToothTable, Turn
 from gearsim.scene.catalogue import AnyCutter
 from gearsim.scene.holder import HolderTable
 from gearsim.scene.program import ProgramTable
-from gearsim.scene.tables import Angle, Count, GridTable, Length, LengthOrZero, Scene, Table
+from gearsim.scene.tables import Angle, Count, GridTable, Length, LengthOrZero, Table
 from gearsim.surfaces.face_milled import FaceMilledTooth
 from gearsim.surfaces.patch import SIDES, Side, Tooth
 from gearsim.surfaces.ruled_bevel import STRAIGHT, RuledBevelTooth

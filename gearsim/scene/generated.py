@@ -9,9 +9,10 @@ from pydantic import Field, model_validator
 
 from gearsim.cutters.profile import Profile
 from gearsim.machines.chain import Machine
+from gearsim.scene.base import Scene
 from gearsim.scene.bevel import BevelBlankTable, GeneratorTable, HypoidBlankTable, Number, ToothTable
 from gearsim.scene.catalogue import AnyCutter, AnyMachine
-from gearsim.scene.tables import Count, FileName, GridTable, Length, Scene, Table
+from gearsim.scene.tables import Count, FileName, GridTable, Length, Table
 from gearsim.surfaces.face_milled import FaceMilledTooth
 from gearsim.surfaces.hypoid import HypoidPinion
 

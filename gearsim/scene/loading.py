@@ -14,12 +14,12 @@ from pydantic import ValidationError
 
 from gearsim.errors import InputError, is_file, is_folder, read_input
 from gearsim.scene.any_program import AXIS_TABLE, GCODE, ProgramScene
+from gearsim.scene.base import Scene
 from gearsim.scene.cylindrical import CylindricalGearScene
 from gearsim.scene.flank_milling import FlankMillingScene
 from gearsim.scene.generated import EnvelopeScene, FaceMillingScene, HypoidScene
 from gearsim.scene.mistakes import explained, short
 from gearsim.scene.sculptured import GougeExampleScene, SculpturedScene
-from gearsim.scene.tables import Scene
 
 SCENES: dict[str, type[Scene]] = {
     "ruled-bevel": FlankMillingScene,

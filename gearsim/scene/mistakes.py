@@ -9,7 +9,8 @@ from typing import Any, get_args
 
 from pydantic import ValidationError
 
-from gearsim.scene.tables import Scene, Table
+from gearsim.scene.base import Scene
+from gearsim.scene.tables import Table
 
 _ALIKE = 0.6  # least likeness of a key to the one that may be meant
 _LONGEST = 80  # characters of a value in a message

@@ -7,9 +7,9 @@ from pathlib import Path
 from typing import Any
 
 from gearsim.errors import is_file
+from gearsim.scene.base import Scene
 from gearsim.scene.loading import load_scene, scene_names, scene_table, scene_text
 from gearsim.scene.sculptured import GougeExampleScene
-from gearsim.scene.tables import Scene
 
 _GEOMETRY = ("surface", "cutter", "larger", "printed", "tools", "holder")
 _PLACES = "profile_offsets_mm"

@@ -15,9 +15,10 @@ from gearsim.cutters.profile import Profile
 from gearsim.errors import InputError, is_file
 from gearsim.gouging.khan.worked_sections import SECTIONS, worked_rows
 from gearsim.gouging.standard_mills import khan_mills, metric_mills, ranked
+from gearsim.scene.base import Scene
 from gearsim.scene.catalogue import AnyCutter
 from gearsim.scene.holder import HolderTable
-from gearsim.scene.tables import Count, GridTable, Length, LengthOrZero, Scene, Table
+from gearsim.scene.tables import Count, GridTable, Length, LengthOrZero, Table
 from gearsim.surfaces.nurbs import NurbsSurface
 from gearsim.surfaces.nurbs_file import load_surfaces
 

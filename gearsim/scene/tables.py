@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from typing import Annotated, Any
 
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field, model_validator
@@ -77,34 +76,3 @@ class GridTable(Table):
                 f"{_MOST_SAMPLES:,}"
             )
         return self
-
-
-class SceneHeader(Table):
-    """Table [scene]: what the scene is called and shows."""
-
-    name: FileName
-    summary: str = ""
-
-
-class SimulationTable(Table):
-    """Table [simulation]: numerical settings of the removal road."""
-
-    tolerance_mm: float = Field(default=1e-9, ge=1e-12, le=1e-2)
-    compile_tolerance_mm: float = Field(default=1e-9, ge=1e-12, le=1e-2)
-    interval_slots: int = Field(default=16, ge=1, le=256)
-    dexel_pitch_mm: float = Field(default=0.15, gt=0.0, le=10.0)
-
-
-class Scene(Table):
-    """A job: the surface wanted, the cutter, the toolpath, and how it is simulated and measured."""
-
-    scene: SceneHeader
-    simulation: SimulationTable = SimulationTable()
-
-    @property
-    def name(self) -> str:
-        return self.scene.name
-
-    def builders(self) -> tuple[Callable[[], object], ...]:
-        """What is built from the tables; each raises InputError where the geometry is impossible."""
-        raise NotImplementedError

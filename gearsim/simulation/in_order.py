@@ -72,8 +72,10 @@ def _tile(
     def launch(begin: int, size: int) -> None:
         worker = free.get()
         inputs = [*tool, begin, worker, *along]
-        wp.launch(kernels.cut_in_order, dim=size, inputs=inputs, outputs=[lists, length, status], device=device)
-        free.put(worker)
+        try:
+            wp.launch(kernels.cut_in_order, dim=size, inputs=inputs, outputs=[lists, length, status], device=device)
+        finally:
+            free.put(worker)
 
     if wp.get_device(device).is_cpu:
         with ThreadPoolExecutor(workers) as pool:

@@ -115,6 +115,15 @@ def _without(left: IntervalSet, full: NDArray, removed: IntervalSet, first_tag: 
     return subtract(left, cut)
 
 
+def material_rays(stock: Stock, axis: int) -> RayBundle:
+    """A bundle's rays, each with the window in which there is material; without any its window is a point."""
+    rays, left = stock.box.rays(axis), stock.left[axis]
+    some = np.flatnonzero(np.diff(left.first))
+    start, end = np.zeros(len(rays)), np.zeros(len(rays))
+    start[some], end[some] = left.lo[left.first[some]], left.hi[left.first[some + 1] - 1]
+    return RayBundle(rays.origin, rays.direction, start, end)
+
+
 def turn_stock(stock: Stock, kept: Solid, name: str) -> Stock:
     """What is left within a solid: turning to its outline, as one operation of one row."""
     tag = stock.next_tag

@@ -12,7 +12,7 @@ from gearsim.metrology.deviation import Crossing
 from gearsim.metrology.grid import DENSE
 from gearsim.output.columns import CAUSES, CLASSES, CROSSINGS, DECISIONS, Column, known, segment_key, words
 from gearsim.output.grid_columns import sample_columns
-from gearsim.output.table import write_parquet
+from gearsim.output.table import write_columns
 from gearsim.surfaces.patch import SIDES
 
 STATISTICS = ("count", "min", "max", "mean")
@@ -78,7 +78,7 @@ def holes(result, tmp_path_factory):
         "first_crossing": Column(words(CROSSINGS, np.array([0, 1, 2, 3])), "a code"),
     }
     second = {"surface": Column(np.array(["b"]), "name of the surface"), "second_mm": Column(np.array([7.0]), "alone")}
-    write_parquet([first, second], result, file)
+    write_columns([first, second], result, file)
     return file, {
         "nan_um": [3, -1.0, 3.0, 1.0], "inf_per_mm": [2, 2.0, 5.0, 3.5], "none_um": [0, None, None, None],
         "first_segment": [2, 0, 3, 1.5], "second_mm": [1, 7.0, 7.0, 7.0],

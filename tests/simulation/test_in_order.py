@@ -60,7 +60,7 @@ def test_rows_take_what_those_before_have_left(cutter, rays, rng, device):
     assert np.array_equal(mine.first, left.first)
     assert np.allclose(mine.lo, left.lo, atol=3e-9)
     assert np.allclose(mine.hi, left.hi, atol=3e-9)
-    assert found.length.sum() == pytest.approx(material.length - mine.length, rel=1e-12)
+    assert found.length.sum() == pytest.approx(material.length - mine.length, abs=4e-9 * len(rays))
 
 
 def test_a_second_pass_along_the_same_way_takes_nothing(rays):

@@ -1,0 +1,188 @@
+"""The whole part as stock: cut from its blank, operation after operation, and held against the intended surfaces."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gearsim.geometry.solid import Solid
+from gearsim.metrology.closest import signed_distance
+from gearsim.metrology.findings import Finding, stock_out_of_tolerance, through_material
+from gearsim.metrology.inspection import Machine, Reading, Steps
+from gearsim.metrology.samples import SampleGrid, sample_grid
+from gearsim.simulation.dexels import DexelBox
+from gearsim.simulation.operation import Operation, turned_copies
+from gearsim.simulation.sequence import Done, Machined, Machining, in_sequence
+from gearsim.simulation.stock import AXES, Stock
+from gearsim.surfaces.part import Tolerance
+
+if TYPE_CHECKING:
+    from gearsim.metrology.job import Job
+
+_NEAR_MM = 0.5
+_ROWS, _COLUMNS, _MARGIN = 33, 129, 0.01
+
+
+@dataclass(frozen=True)
+class OperationFigures:
+    """What an operation did: its ``rows`` and, of each (rows,), ``volume`` [mm³] taken, ``way`` [mm] of the tip and
+    ``seconds`` (nan where nothing says them). ``removed`` [mm³] by each bundle of the fine box.
+    """
+
+    name: str
+    operation: Operation
+    removed: tuple[float, float, float]
+    volume: NDArray[np.floating]
+    way: NDArray[np.floating]
+    seconds: NDArray[np.floating]
+
+    @property
+    def air(self) -> NDArray[np.bool_]:
+        """Which rows are fed through air."""
+        return ~self.operation.rapid & (self.volume == 0.0)
+
+
+class SurfaceFigures(NamedTuple):
+    """Ends of the stock's rays near an intended surface, in all its spaces: how many, and the deepest and highest [mm].
+
+    The two are not one figure: material left in one place makes up for none that is missing in another. nan: no ends.
+    """
+
+    surface: str
+    ends: int
+    overcut: float
+    excess: float
+    overcut_place: NDArray[np.floating]
+    excess_place: NDArray[np.floating]
+
+
+@dataclass(frozen=True)
+class StockMeasurement:
+    """A whole blank machined: ``blank_volumes`` and the stock's own [mm³] by bundle, operations, surfaces."""
+
+    variant: str
+    stock: Stock
+    blank_volumes: tuple[float, float, float]
+    exact_blank_volume: float
+    operations: tuple[OperationFigures, ...]
+    surfaces: tuple[SurfaceFigures, ...]
+    surface: str = ""
+    inspection: str = "stock"
+
+
+@dataclass(frozen=True)
+class StockInspection:
+    """A ``blank`` cut by a variant, ``copies`` times about the part's axis, seen by the tri-dexel of a box.
+
+    ``rapid_mm_min``: how fast the tip goes by rapid (None: not known). ``told``: whether rapids through material are
+    told by another inspection already.
+    """
+
+    variant: str
+    blank: Solid
+    box: DexelBox
+    copies: int = 1
+    spaces: int = 1
+    rapid_mm_min: float | None = None
+    told: bool = False
+    name: str = "stock"
+
+    def operations(self, job: Job) -> tuple[Operation, ...]:
+        """What is done to the blank, in order."""
+        once = in_sequence(job.variant(self.variant))
+        return tuple(turned_copies(o, self.copies) for o in once) if self.copies > 1 else once
+
+    def steps(self, job: Job) -> Steps[Reading]:
+        operations = self.operations(job)
+        machined: Machined = (yield [Machine(Machining(self.blank, self.box, operations))])[0]
+        names = [d.name for d in machined.stock.done]
+        figures = tuple(
+            self._figures(name, done, removed)
+            for name, done, removed in zip(names, machined.done, machined.removed, strict=True)
+        )
+        surfaces, findings = [], []
+        for _name, intended in job.part.surfaces.items():
+            found = near_surface(sample_grid(intended.patch, _ROWS, _COLUMNS, _MARGIN), machined.stock, self.spaces)
+            surfaces.append(found)
+            findings += list(_judged(found, intended.tolerance, job))
+        findings += [] if self.told else list(self._rapids(machined, job))
+        measured = StockMeasurement(
+            self.variant, machined.stock, machined.blank_volumes, self.blank.volume, figures, tuple(surfaces)
+        )
+        return Reading((measured,), tuple(findings))
+
+    def _figures(self, name: str, done: Done, removed: tuple[float, float, float]) -> OperationFigures:
+        operation, ends = done.operation, []
+        for x in (-1.0, 1.0):
+            ends.append((operation.table.tip * x ** np.arange(operation.table.tip.shape[1])[:, None]).sum(axis=1))
+        way = np.linalg.norm(ends[1] - ends[0], axis=1)
+        seconds = operation.seconds
+        if self.rapid_mm_min is not None:
+            seconds = np.where(operation.rapid, 60.0 * way / self.rapid_mm_min, seconds)
+        return OperationFigures(name, operation, removed, done.volume, way, seconds)
+
+    def _rapids(self, machined: Machined, job: Job) -> Iterator[Finding]:
+        for name, done in zip((d.name for d in machined.stock.done), machined.done, strict=True):
+            if done.touch is not None:
+                line = int(done.operation.line[done.touch.row])
+                called = f"a rapid move of {name}" + (f" in line {line}" if line else "")
+                yield through_material(job.part, done.touch.place, 1e3 * done.touch.depth, called)
+
+
+def near_surface(grid: SampleGrid, stock: Stock, spaces: int = 1) -> SurfaceFigures:
+    """Signed distances of a stock's cut ends within half a millimetre of an intended surface, in all alike spaces.
+
+    Ends are exact to the cut's tolerance; what lies between rays is not seen.
+    """
+    points = np.concatenate([_cut_ends(stock, axis) for axis in AXES])
+    turned = _into_one_space(points, grid, spaces)
+    lower, upper = (f(grid.point[np.isfinite(grid.point).all(axis=-1)], axis=0) for f in (np.min, np.max))
+    close = np.flatnonzero(((turned > lower - _NEAR_MM) & (turned < upper + _NEAR_MM)).all(axis=1))
+    distance, _, _ = signed_distance(grid, turned[close], _NEAR_MM)
+    near = np.abs(distance) < _NEAR_MM
+    close, distance = close[near], distance[near]
+    if not len(close):
+        nowhere = np.full(3, np.nan)
+        return SurfaceFigures(grid.patch.name, 0, np.nan, np.nan, nowhere, nowhere)
+    low, high = int(np.argmin(distance)), int(np.argmax(distance))
+    return SurfaceFigures(
+        grid.patch.name,
+        len(close),
+        float(distance[low]),
+        float(distance[high]),
+        points[close[low]],
+        points[close[high]],
+    )
+
+
+def _cut_ends(stock: Stock, axis: int) -> NDArray:
+    """Points [mm], shape (n, 3), where a row ended material."""
+    left, rays = stock.left[axis], stock.box.rays(axis)
+    ray, tau = np.tile(left.ray, 2), np.concatenate([left.lo, left.hi])
+    made = np.concatenate([left.lo_segment, left.hi_segment]) >= 0
+    return rays.origin[ray[made]] + tau[made, None] * rays.direction[ray[made]]
+
+
+def _into_one_space(points: NDArray, grid: SampleGrid, spaces: int) -> NDArray:
+    """Points of all spaces turned about z into that of the grid."""
+    if spaces == 1:
+        return points
+    middle = np.nanmean(grid.point.reshape(-1, 3), axis=0)
+    step = 2.0 * np.pi / spaces
+    angle = np.arctan2(points[:, 1], points[:, 0]) - np.arctan2(middle[1], middle[0])
+    back = -step * np.round(angle / step)
+    cos, sin = np.cos(back), np.sin(back)
+    x, y, z = points.T
+    return np.stack([cos * x - sin * y, sin * x + cos * y, z], axis=1)
+
+
+def _judged(found: SurfaceFigures, tolerance: Tolerance | None, job: Job) -> Iterator[Finding]:
+    if tolerance is None or not found.ends:
+        return
+    for value, place in ((found.overcut, found.overcut_place), (found.excess, found.excess_place)):
+        if not tolerance.allows(1e3 * value):
+            yield stock_out_of_tolerance(job.part, found.surface, place, 1e3 * value)

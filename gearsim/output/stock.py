@@ -1,0 +1,155 @@
+"""The whole part as stock: volumes, what each operation did, how the part stands beside the intended surfaces."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from rich.console import Console
+
+from gearsim.metrology.job import Job
+from gearsim.metrology.stock_check import OperationFigures, StockInspection, StockMeasurement
+from gearsim.output.columns import YES_NO, Column
+from gearsim.output.markdown import table, um
+from gearsim.output.programs import duration
+from gearsim.output.summary import number
+from gearsim.output.table import write_columns
+from gearsim.result import Result
+
+STOCK, OPERATIONS = "stock.parquet", "operations.parquet"
+
+
+def files(_: Job, asked: Sequence[StockInspection]) -> list[str]:
+    return [STOCK, OPERATIONS]
+
+
+def figures(m: StockMeasurement) -> dict[str, Any]:
+    rays, intervals = (sum(n) for n in zip(*((len(k.first) - 1, len(k.lo)) for k in m.stock.left), strict=True))
+    return {
+        "pitch_mm": m.stock.box.pitch,
+        "rays": rays,
+        "intervals": intervals,
+        "bytes_a_ray": m.stock.nbytes / rays,
+        "blank_mm3": {"exact": m.exact_blank_volume, "bundles": list(m.blank_volumes)},
+        "left_mm3": list(m.stock.volumes),
+        "operations": [_operation(o) for o in m.operations],
+        "surfaces": {
+            s.surface: {
+                "ends": s.ends,
+                "overcut_um": number(1e3 * s.overcut),
+                "excess_um": number(1e3 * s.excess),
+                "overcut_at_mm": [number(x) for x in s.overcut_place],
+                "excess_at_mm": [number(x) for x in s.excess_place],
+            }
+            for s in m.surfaces
+        },
+    }
+
+
+def _operation(o: OperationFigures) -> dict[str, Any]:
+    fed, known = ~o.operation.rapid, np.isfinite(o.seconds)
+    seconds = float(o.seconds[known & fed].sum())
+    timed = float(o.volume[known & fed].sum())
+    removed = float(np.mean(o.removed))
+    return {
+        "name": o.name,
+        "cutter": o.operation.cutter.name,
+        "rows": len(o.operation),
+        "removed_mm3": list(o.removed),
+        "feed_s": number(seconds) if known[fed].any() else None,
+        "rapid_s": number(float(o.seconds[~fed].sum())) if known[~fed].all() else None,
+        "rows_without_time": int((~known).sum()),
+        "removal_rate_mm3_min": number(60.0 * timed / seconds) if seconds > 0.0 else None,
+        "feed_mm": float(o.way[fed].sum()),
+        "air_mm": number(float(o.way[o.air].sum())) if np.isfinite(o.volume).all() else None,
+        "engagement_mm2": number(removed / float(o.way[fed & ~o.air].sum())) if o.way[fed & ~o.air].sum() > 0 else None,
+    }
+
+
+def sections(_: Result, found: Sequence[StockMeasurement]) -> dict[str, str]:
+    return {"beside": "".join(map(_section, found))}
+
+
+def _section(m: StockMeasurement) -> str:
+    told = figures(m)
+    rows = [
+        [
+            o["name"], o["cutter"], f"{np.mean(o['removed_mm3']):.1f}", duration(o["feed_s"]),
+            _plain(o["removal_rate_mm3_min"]), _plain(o["engagement_mm2"]), _share(o["air_mm"], o["feed_mm"]),
+        ]
+        for o in told["operations"]
+    ]  # fmt: skip
+    head = ["Operation", "cutter", "removed [mm³]", "in feed", "mm³/min", "engaged [mm²]", "feed through air"]
+    near = [
+        [name, s["ends"], um(s["overcut_um"]), um(s["excess_um"])] for name, s in told["surfaces"].items() if s["ends"]
+    ]
+    text = (
+        f"## The whole part\n\nThe blank ({m.exact_blank_volume:.1f} mm³) by a tri-dexel of {told['rays']:,} rays, "
+        f"{told['pitch_mm']:g} mm apart: {_three(m.blank_volumes)} mm³; left are {_three(m.stock.volumes)} mm³. The "
+        f"three bundles' spread tells the grid's error.\n\n" + table(head, rows)
+    )
+    if near:
+        text += (
+            "\nEnds of its rays near the intended surfaces, in all spaces; each is exact, between the rays nothing is "
+            "seen:\n\n" + table(["Surface", "ends", "lowest [µm]", "highest [µm]"], near)
+        )
+    return text + "\n"
+
+
+def screen(_: Result, found: Sequence[StockMeasurement], console: Console) -> None:
+    for m in found:
+        left, blank = float(np.mean(m.stock.volumes)), float(np.mean(m.blank_volumes))
+        console.print(
+            f"Whole part: {blank - left:,.1f} of {blank:,.1f} mm3 removed in {len(m.operations)} operations "
+            f"({sum(len(k.first) - 1 for k in m.stock.left):,} rays, {m.stock.box.pitch:g} mm apart)."
+        )
+
+
+def data(result: Result, found: Sequence[StockMeasurement]) -> dict[str, Callable[[Path], None]]:
+    """What writes the stock, which can be continued from, and the table of all rows."""
+    from gearsim.simulation.stock_file import write_stock
+
+    (m,) = found
+    return {
+        STOCK: partial(write_stock, m.stock, job=result.name),
+        OPERATIONS: partial(write_columns, [_rows(i, o) for i, o in enumerate(m.operations)], result),
+    }
+
+
+def _rows(number_: int, o: OperationFigures) -> dict[str, Column]:
+    """Every row of an operation."""
+    n = len(o.operation)
+    index = np.arange(n)
+    line = np.ma.masked_equal(o.operation.line, 0)
+    return {
+        "operation": Column(np.full(n, number_), "number of the operation, from 0 in the order of the work"),
+        "name": Column(np.full(n, o.name, dtype=object), "name of the operation"),
+        "row": Column(index, "row of the operation's motion, from 0"),
+        "line": Column(line, "line of the program that states it, from 1"),
+        "rapid": Column(o.operation.rapid.astype(np.int8), "whether it is run by rapid", YES_NO),
+        "volume_mm3": Column(o.volume, "material that it is the first to take, by a coarse tri-dexel's three bundles"),
+        "way_mm": Column(o.way, "way of the tip over the part, straight from end to end"),
+        "seconds": Column(o.seconds, "how long it takes [s]"),
+        "removal_rate_mm3_min": Column(_over(60.0 * o.volume, o.seconds), "volume over time [mm³/min]"),
+        "engagement_mm2": Column(_over(o.volume, o.way), "volume over way: the section in engagement [mm²]"),
+    }
+
+
+def _over(a: NDArray, b: NDArray) -> NDArray:
+    return np.where(b > 0.0, a / np.where(b > 0.0, b, 1.0), np.nan)
+
+
+def _three(volumes: Sequence[float]) -> str:
+    return ", ".join(f"{v:.1f}" for v in volumes)
+
+
+def _plain(x: float | None) -> str:
+    return "–" if x is None else f"{x:.1f}"
+
+
+def _share(part: float | None, whole: float) -> str:
+    return "–" if part is None or whole <= 0.0 else f"{100.0 * part / whole:.0f} %"

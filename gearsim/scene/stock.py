@@ -1,0 +1,81 @@
+"""Table [stock]: the whole blank, cut operation after operation."""
+
+from __future__ import annotations
+
+from typing import Annotated, Literal
+
+import numpy as np
+from pydantic import Field, model_validator
+
+from gearsim.geometry.solid import Block, Solid
+from gearsim.geometry.turned import Turned
+from gearsim.scene.tables import Length, LengthOrZero, Table
+
+_Coordinate = Annotated[float, Field(gt=-1e5, lt=1e5, allow_inf_nan=False)]
+_Corner = tuple[_Coordinate, _Coordinate, _Coordinate]
+
+
+class BlockTable(Table):
+    """Table [stock.blank] of kind ``block``: a box along the part's axes."""
+
+    kind: Literal["block"]
+    lower_mm: _Corner
+    upper_mm: _Corner
+
+    def build(self) -> Solid:
+        """Raises InputError for a box without an inside."""
+        return Block(np.array(self.lower_mm), np.array(self.upper_mm))
+
+
+class CylinderTable(Table):
+    """Table [stock.blank] of kind ``cylinder``: a bar or tube about the part's z axis."""
+
+    kind: Literal["cylinder"]
+    diameter_mm: Length
+    bore_mm: LengthOrZero = 0.0
+    bottom_mm: _Coordinate
+    top_mm: _Coordinate
+
+    @model_validator(mode="after")
+    def _has_an_inside(self) -> CylinderTable:
+        if not self.top_mm > self.bottom_mm or not self.diameter_mm > self.bore_mm:
+            raise ValueError("top_mm must be above bottom_mm, and diameter_mm larger than bore_mm")
+        return self
+
+    def build(self) -> Solid:
+        inner, outer = 0.5 * self.bore_mm, 0.5 * self.diameter_mm
+        low, high = self.bottom_mm, self.top_mm
+        return Turned(np.array([[inner, low], [outer, low], [outer, high], [inner, high]]))
+
+
+class TurnedTable(Table):
+    """Table [stock.blank] of kind ``turned``: corners (radius, z) of its outline, once around."""
+
+    kind: Literal["turned"]
+    outline_mm: tuple[tuple[LengthOrZero, _Coordinate], ...] = Field(min_length=3)
+
+    @model_validator(mode="after")
+    def _holds_an_area(self) -> TurnedTable:
+        r, z = np.array(self.outline_mm).T
+        if not abs(float(r @ np.roll(z, -1) - z @ np.roll(r, -1))) > 1e-12:
+            raise ValueError("outline_mm: its corners enclose no area")
+        return self
+
+    def build(self) -> Solid:
+        return Turned(np.array(self.outline_mm, dtype=float))
+
+
+AnyBlank = Annotated[BlockTable | CylinderTable | TurnedTable, Field(discriminator="kind")]
+
+
+class StockTable(Table):
+    """Table [stock]: a tri-dexel of the whole blank, cut by the scene's program; ``blank`` is the part's own if none.
+
+    ``spaces``: whether the program of one tooth space is run once, or indexed to all of them. ``rapid_mm_min``: the
+    machine's rapid rate of the tip over the part; without it rapids take no known time.
+    """
+
+    pitch_mm: Length
+    blank: AnyBlank | None = None
+    spaces: Literal["one", "all"] = "one"
+    rapid_mm_min: Length | None = None

@@ -1,0 +1,157 @@
+"""Operations in sequence on a whole blank: what is left, and what every row takes on its way there."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gearsim.errors import InputError
+from gearsim.geometry.rigid import Rigid
+from gearsim.geometry.solid import Solid
+from gearsim.simulation.dexels import DexelBox
+from gearsim.simulation.in_order import cut_in_order
+from gearsim.simulation.intervals import subtract
+from gearsim.simulation.operation import Operation, Variant
+from gearsim.simulation.room import require_room
+from gearsim.simulation.stock import AXES, Stock, blank_stock, cut_stock, material_rays
+from gearsim.simulation.workshop import Workshop
+
+_LOOK_RAYS = 60_000
+_SEEN_MM = 1e-6
+
+
+class RapidTouch(NamedTuple):
+    """The first row by rapid that takes material: where [mm] (3,) it takes most along a ray, and how much [mm]."""
+
+    row: int
+    place: NDArray[np.floating]
+    depth: float
+
+
+class Done(NamedTuple):
+    """An operation that was done: the volume [mm³] that each of its rows was the first to take, (rows,).
+
+    It is the mean of the three bundles of a coarser box; nan where rows are not cut in order (rings).
+    """
+
+    operation: Operation
+    volume: NDArray[np.floating]
+    touch: RapidTouch | None
+
+
+@dataclass(frozen=True)
+class Machining:
+    """Operations on a blank, one after the other, seen by the tri-dexel of a box."""
+
+    blank: Solid
+    box: DexelBox
+    operations: tuple[Operation, ...]
+
+    @property
+    def rays(self) -> int:
+        """Rays that are cut, once for every operation."""
+        return len(self.operations) * (ray_count(self.box) + ray_count(look_box(self.box)))
+
+
+class Machined(NamedTuple):
+    """The ``stock`` that is left, the blank's volumes, what each operation did and ``removed`` by bundle [mm³]."""
+
+    stock: Stock
+    blank_volumes: tuple[float, float, float]
+    done: tuple[Done, ...]
+    removed: tuple[tuple[float, float, float], ...]
+
+
+def whole_box(blank: Solid, pitch: float) -> DexelBox:
+    """A box around a whole blank, along the part's axes, one cell wider on every side.
+
+    Raises InputError where its rays need more memory than there is.
+    """
+    lower, upper = (np.asarray(corner, dtype=float) for corner in blank.box)
+    cells = (upper - lower) / pitch + 2.0
+    rays = sum(float(np.delete(cells, axis).prod()) for axis in AXES)
+    require_room(rays, f"stock.pitch_mm = {pitch:g}", "raise stock.pitch_mm")
+    if not np.all(upper - lower >= pitch):
+        raise InputError(f"stock.pitch_mm = {pitch:g}: the blank is only {float((upper - lower).min()):.4g} mm wide")
+    return DexelBox(Rigid(np.eye(3), np.zeros(3)), lower - pitch, upper + pitch, pitch)
+
+
+def ray_count(box: DexelBox) -> int:
+    """Rays of all three bundles."""
+    return sum(int(np.delete(box.counts, axis).prod()) for axis in AXES)
+
+
+def look_box(box: DexelBox) -> DexelBox:
+    """The same box with about 60,000 rays, or as many as it has."""
+    coarser = max(1.0, (ray_count(box) / _LOOK_RAYS) ** 0.5)
+    return replace(box, pitch=min(box.pitch * coarser, float((box.upper - box.lower).min()) / 4.0))
+
+
+def in_sequence(variant: Variant) -> tuple[Operation, ...]:
+    """A variant's operations cut up where the program changes tool or heading, in the program's order."""
+    owner = np.repeat(np.arange(len(variant.operations)), [len(o) for o in variant.operations])
+    row = np.concatenate([np.arange(len(o)) for o in variant.operations])
+    step, section = (np.concatenate([getattr(o, name) for o in variant.operations]) for name in ("step", "section"))
+    order = np.argsort(step, kind="stable")
+    owner, row, section = owner[order], row[order], section[order]
+    starts = np.flatnonzero((np.diff(owner) != 0) | (np.diff(section) != 0)) + 1
+    found = []
+    for run in np.split(np.arange(len(owner)), starts):
+        operation = variant.operations[owner[run[0]]]
+        part = operation.part(row[run])
+        heading = operation.headings[section[run[0]]] if operation.headings else ""
+        found.append(replace(part, name=f"{operation.name}, {heading}" if heading else operation.name))
+    return tuple(found)
+
+
+def machine(asked: Machining, workshop: Workshop) -> Machined:
+    """Carry the operations out. Raises NumericalError where a status forbids trust."""
+    stock, look = blank_stock(asked.box, asked.blank), blank_stock(look_box(asked.box), asked.blank)
+    volumes, done = [stock.volumes], []
+    for operation in asked.operations:
+        stock = cut_stock(stock, [operation], workshop)
+        volumes.append(stock.volumes)
+        after, volume = _looked_at(look, operation, workshop)
+        done.append(Done(operation, volume, _rapid_touch(look, operation, volume, workshop)))
+        look = after
+    removed = -np.diff(np.array(volumes), axis=0)
+    return Machined(stock, volumes[0], tuple(done), tuple((float(x), float(y), float(z)) for x, y, z in removed))
+
+
+def _looked_at(look: Stock, operation: Operation, workshop: Workshop) -> tuple[Stock, NDArray]:
+    """What an operation leaves of a coarse stock, and the volume that each of its rows takes."""
+    if operation.cutter.is_ring:
+        return cut_stock(look, [operation], workshop), np.full(len(operation), np.nan)
+    volume, left = np.zeros(len(operation)), []
+    for axis, material in zip(AXES, look.left, strict=True):
+        taken = cut_in_order(
+            material_rays(look, axis), material, operation,
+            device=workshop.device, tolerance=workshop.tolerance, slots=workshop.slots,
+        )  # fmt: skip
+        left.append(subtract(material, taken.removed))
+        volume += look.box.cell_area(axis) * taken.length / len(AXES)
+    return replace(look, left=(left[0], left[1], left[2])), volume
+
+
+def _rapid_touch(look: Stock, operation: Operation, volume: NDArray, workshop: Workshop) -> RapidTouch | None:
+    """The first rapid that takes what all rows before it have left of a coarse stock."""
+    touching = np.flatnonzero(operation.rapid & (volume > 0.0))
+    if not len(touching):
+        return None
+    row = int(touching[0])
+    before = operation.part(np.arange(row))
+    left = cut_stock(look, [before], workshop) if row else look
+    place, most = np.zeros(3), 0.0
+    for axis, material in zip(AXES, left.left, strict=True):
+        rays = material_rays(left, axis)
+        (removed,) = workshop.cut([(rays, [operation.part(np.array([row]))])])
+        lost = subtract(material, subtract(material, removed))
+        length = lost.hi - lost.lo
+        if length.max(initial=0.0) > most:
+            i = int(np.argmax(length))
+            most, middle = float(length[i]), 0.5 * (lost.lo[i] + lost.hi[i])
+            place = rays.origin[lost.ray[i]] + middle * rays.direction[lost.ray[i]]
+    return RapidTouch(row, place, most) if most > _SEEN_MM else None
