@@ -7,6 +7,7 @@ import sys
 from collections.abc import Sequence
 from pathlib import Path
 from shlex import quote
+from shutil import rmtree
 from time import perf_counter
 from typing import Any
 
@@ -57,7 +58,7 @@ def _run(options: argparse.Namespace) -> int:
         print(f"gearsim: note: this is the built-in scene; the file is run by ./{beside}", file=sys.stderr)
     if options.dry_run:
         return _dry_run(scene, folder, options.device)
-    from gearsim.output.files import into, staged
+    from gearsim.output.files import CHECKPOINTS, into, staged
     from gearsim.output.painting import Painters
     from gearsim.output.screen import ScreenProgress, print_result
     from gearsim.output.wanted import Wanted
@@ -73,10 +74,13 @@ def _run(options: argparse.Namespace) -> int:
         started = perf_counter()
         job = plan(scene, folder)
         refuse_unknown(job, wanted)
-        result = run_job(job, device=options.device, progress=progress, planned_s=perf_counter() - started)
+        planned_s = perf_counter() - started
+        kept = out / CHECKPOINTS
+        result = run_job(job, device=options.device, progress=progress, planned_s=planned_s, checkpoints=kept)
         progress.stage("writing report and pictures", 0)
         with into(out):
             missing = write_result(result, stage, painters)
+    rmtree(kept, ignore_errors=True)
     print_result(result, out / "report.html" if wanted.file("report.html") else out, missing)
     return result.exit_code
 

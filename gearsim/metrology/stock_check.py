@@ -16,8 +16,9 @@ from gearsim.metrology.inspection import Machine, Reading, Steps
 from gearsim.metrology.samples import SampleGrid, sample_grid
 from gearsim.simulation.dexels import DexelBox
 from gearsim.simulation.operation import Operation, turned_copies
-from gearsim.simulation.sequence import Done, Machined, Machining, in_sequence
+from gearsim.simulation.sequence import Machined, Machining, in_sequence
 from gearsim.simulation.stock import AXES, Stock
+from gearsim.simulation.work import Work
 from gearsim.surfaces.part import Tolerance
 
 if TYPE_CHECKING:
@@ -33,12 +34,15 @@ class OperationFigures:
     ``seconds`` (nan where nothing says them). ``removed`` [mm³] by each bundle of the fine box.
     """
 
-    name: str
     operation: Operation
     removed: tuple[float, float, float]
     volume: NDArray[np.floating]
     way: NDArray[np.floating]
     seconds: NDArray[np.floating]
+
+    @property
+    def name(self) -> str:
+        return self.operation.name
 
     @property
     def air(self) -> NDArray[np.bool_]:
@@ -99,11 +103,8 @@ class StockInspection:
     def steps(self, job: Job) -> Steps[Reading]:
         operations = self.operations(job)
         machined: Machined = (yield [Machine(Machining(self.blank, self.box, operations))])[0]
-        names = [d.name for d in machined.stock.done]
-        figures = tuple(
-            self._figures(name, done, removed)
-            for name, done, removed in zip(names, machined.done, machined.removed, strict=True)
-        )
+        left = np.array([machined.blank_volumes, *(work.left for work in machined.work)])
+        figures = tuple(map(self._figures, machined.work, -np.diff(left, axis=0)))
         surfaces, findings = [], []
         for _name, intended in job.part.surfaces.items():
             found = near_surface(sample_grid(intended.patch, _ROWS, _COLUMNS, _MARGIN), machined.stock, self.spaces)
@@ -115,22 +116,23 @@ class StockInspection:
         )
         return Reading((measured,), tuple(findings))
 
-    def _figures(self, name: str, done: Done, removed: tuple[float, float, float]) -> OperationFigures:
-        operation, ends = done.operation, []
+    def _figures(self, work: Work, removed: NDArray) -> OperationFigures:
+        operation, ends = work.operation, []
         for x in (-1.0, 1.0):
             ends.append((operation.table.tip * x ** np.arange(operation.table.tip.shape[1])[:, None]).sum(axis=1))
         way = np.linalg.norm(ends[1] - ends[0], axis=1)
         seconds = operation.seconds
         if self.rapid_mm_min is not None:
             seconds = np.where(operation.rapid, 60.0 * way / self.rapid_mm_min, seconds)
-        return OperationFigures(name, operation, removed, done.volume, way, seconds)
+        x, y, z = (float(v) for v in removed)
+        return OperationFigures(operation, (x, y, z), work.volume, way, seconds)
 
     def _rapids(self, machined: Machined, job: Job) -> Iterator[Finding]:
-        for name, done in zip((d.name for d in machined.stock.done), machined.done, strict=True):
-            if done.touch is not None:
-                line = int(done.operation.line[done.touch.row])
-                called = f"a rapid move of {name}" + (f" in line {line}" if line else "")
-                yield through_material(job.part, done.touch.place, 1e3 * done.touch.depth, called)
+        for work in machined.work:
+            if work.touch is not None:
+                line = int(work.operation.line[work.touch.row])
+                called = f"a rapid move of {work.operation.name}" + (f" in line {line}" if line else "")
+                yield through_material(job.part, work.touch.place, 1e3 * work.touch.depth, called)
 
 
 def near_surface(grid: SampleGrid, stock: Stock, spaces: int = 1) -> SurfaceFigures:

@@ -124,14 +124,20 @@ def _prepare(device: str) -> float:
 
 
 def run_job(
-    job: Job, *, device: str = "cpu", progress: Progress | None = None, planned_s: float = 0.0
+    job: Job, *, device: str = "cpu", progress: Progress | None = None, planned_s: float = 0.0,
+    checkpoints: Path | None = None,
 ) -> Result:  # fmt: skip
-    """Cut and measure a job; options as of ``run``."""
+    """Cut and measure a job; options as of ``run``.
+
+    ``checkpoints``: a folder that keeps a whole part's stock after every operation; what stands there of this very job
+    is not cut again.
+    """
     started = perf_counter()
     progress = progress or _Silent()
     progress.stage("compiling kernels", 0)
     compile_s = _prepare(device)
-    workshop = Workshop(device, job.settings.tolerance_mm, job.settings.interval_slots, progress.advance)
+    s = job.settings
+    workshop = Workshop(device, s.tolerance_mm, s.interval_slots, progress.advance, checkpoints)
     progress.stage("cutting and measuring", 0)
     planned_rays = 0
 

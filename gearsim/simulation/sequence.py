@@ -11,35 +11,18 @@ from numpy.typing import NDArray
 from gearsim.errors import InputError
 from gearsim.geometry.rigid import Rigid
 from gearsim.geometry.solid import Solid
+from gearsim.simulation.checkpoints import Checkpoints, Kept
 from gearsim.simulation.dexels import DexelBox
 from gearsim.simulation.in_order import cut_in_order
 from gearsim.simulation.intervals import subtract
 from gearsim.simulation.operation import Operation, Variant
 from gearsim.simulation.room import require_room
-from gearsim.simulation.stock import AXES, Stock, blank_stock, cut_stock, material_rays
+from gearsim.simulation.stock import AXES, Stock, after, blank_stock, cut_stock, material_rays, without
+from gearsim.simulation.work import RapidTouch, Work
 from gearsim.simulation.workshop import Workshop
 
 _LOOK_RAYS = 60_000
 _SEEN_MM = 1e-6
-
-
-class RapidTouch(NamedTuple):
-    """The first row by rapid that takes material: where [mm] (3,) it takes most along a ray, and how much [mm]."""
-
-    row: int
-    place: NDArray[np.floating]
-    depth: float
-
-
-class Done(NamedTuple):
-    """An operation that was done: the volume [mm³] that each of its rows was the first to take, (rows,).
-
-    It is the mean of the three bundles of a coarser box; nan where rows are not cut in order (rings).
-    """
-
-    operation: Operation
-    volume: NDArray[np.floating]
-    touch: RapidTouch | None
 
 
 @dataclass(frozen=True)
@@ -57,12 +40,11 @@ class Machining:
 
 
 class Machined(NamedTuple):
-    """The ``stock`` that is left, the blank's volumes, what each operation did and ``removed`` by bundle [mm³]."""
+    """The ``stock`` that is left, the blank's volumes by bundle [mm³], and the work of each operation."""
 
     stock: Stock
     blank_volumes: tuple[float, float, float]
-    done: tuple[Done, ...]
-    removed: tuple[tuple[float, float, float], ...]
+    work: tuple[Work, ...]
 
 
 def whole_box(blank: Solid, pitch: float) -> DexelBox:
@@ -108,17 +90,21 @@ def in_sequence(variant: Variant) -> tuple[Operation, ...]:
 
 
 def machine(asked: Machining, workshop: Workshop) -> Machined:
-    """Carry the operations out. Raises NumericalError where a status forbids trust."""
-    stock, look = blank_stock(asked.box, asked.blank), blank_stock(look_box(asked.box), asked.blank)
-    volumes, done = [stock.volumes], []
-    for operation in asked.operations:
-        stock = cut_stock(stock, [operation], workshop)
-        volumes.append(stock.volumes)
-        after, volume = _looked_at(look, operation, workshop)
-        done.append(Done(operation, volume, _rapid_touch(look, operation, volume, workshop)))
-        look = after
-    removed = -np.diff(np.array(volumes), axis=0)
-    return Machined(stock, volumes[0], tuple(done), tuple((float(x), float(y), float(z)) for x, y, z in removed))
+    """Carry the operations out, on from where the workshop's checkpoints stand, if it has any.
+
+    Raises NumericalError where a status forbids trust, InputError where what is to be kept cannot be written.
+    """
+    blank = blank_stock(asked.box, asked.blank)
+    keeper = workshop.checkpoints and Checkpoints(workshop.checkpoints, blank, workshop.tolerance, asked.operations)
+    kept = (keeper and keeper.last()) or Kept(blank, blank_stock(look_box(asked.box), asked.blank), [])
+    for operation in asked.operations[len(kept.stock.done) :]:
+        stock = cut_stock(kept.stock, [operation], workshop)
+        look, volume = _looked_at(kept.look, operation, workshop)
+        touch = _rapid_touch(kept.look, operation, volume, workshop)
+        kept = Kept(stock, look, [*kept.work, Work(operation, volume, stock.volumes, touch)])
+        if keeper:
+            keeper.keep(kept)
+    return Machined(kept.stock, blank.volumes, tuple(kept.work))
 
 
 def _looked_at(look: Stock, operation: Operation, workshop: Workshop) -> tuple[Stock, NDArray]:
@@ -131,9 +117,9 @@ def _looked_at(look: Stock, operation: Operation, workshop: Workshop) -> tuple[S
             material_rays(look, axis), material, operation,
             device=workshop.device, tolerance=workshop.tolerance, slots=workshop.slots,
         )  # fmt: skip
-        left.append(subtract(material, taken.removed))
+        left.append(without(material, np.arange(len(material.first) - 1), taken.removed, look.next_tag))
         volume += look.box.cell_area(axis) * taken.length / len(AXES)
-    return replace(look, left=(left[0], left[1], left[2])), volume
+    return after(look, left, operation), volume
 
 
 def _rapid_touch(look: Stock, operation: Operation, volume: NDArray, workshop: Workshop) -> RapidTouch | None:

@@ -85,9 +85,13 @@ def cut_stock(stock: Stock, operations: Sequence[Operation], workshop: Workshop)
     Raises NumericalError where a status forbids trust.
     """
     for operation in operations:
-        left = [_cut(stock, axis, operation, workshop) for axis in AXES]
-        stock = Stock(stock.box, _bundles(left), (*stock.done, Done(operation.name, len(operation), stock.next_tag)))
+        stock = after(stock, [_cut(stock, axis, operation, workshop) for axis in AXES], operation)
     return stock
+
+
+def after(stock: Stock, left: Sequence[IntervalSet], operation: Operation) -> Stock:
+    """The stock of which an operation has left this, its ends tagged from the stock's next tag on."""
+    return Stock(stock.box, _bundles(left), (*stock.done, Done(operation.name, len(operation), stock.next_tag)))
 
 
 def _cut(stock: Stock, axis: int, operation: Operation, workshop: Workshop) -> IntervalSet:
@@ -102,11 +106,11 @@ def _cut(stock: Stock, axis: int, operation: Operation, workshop: Workshop) -> I
         bundle = rays.part(begin + full)
         asked = RayBundle(bundle.origin, bundle.direction, here.lo[first], here.hi[last])
         (removed,) = workshop.cut([(asked, [operation])])
-        tiles.append(_without(here, full, removed, stock.next_tag))
+        tiles.append(without(here, full, removed, stock.next_tag))
     return concatenate(tiles)
 
 
-def _without(left: IntervalSet, full: NDArray, removed: IntervalSet, first_tag: int) -> IntervalSet:
+def without(left: IntervalSet, full: NDArray, removed: IntervalSet, first_tag: int) -> IntervalSet:
     """Material less what was removed from its rays ``full``, the ends that were made told by tags."""
     spread = np.zeros(len(left.first) - 1, dtype=int)
     spread[full] = np.diff(removed.first)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,13 +19,15 @@ class Workshop:
     """Cuts rays by operations; refuses results it cannot trust. What was loaded once stays on the device.
 
     ``tolerance`` [mm] and ``slots`` as of ``simulation.removal.cut``. Owns the totals of a run: ``rays``,
-    ``candidates``, ``pairs``, ``kernel_s``; ``progress`` is told of rays done.
+    ``candidates``, ``pairs``, ``kernel_s``; ``progress`` is told of rays done. ``checkpoints``: a folder in which a
+    whole part's stock is kept after every operation, to go on from.
     """
 
     def __init__(
-        self, device: str, tolerance: float = 1e-9, slots: int = 16, progress: Callable[[int], None] | None = None
-    ):
-        self.device, self.tolerance, self.slots = device, tolerance, slots
+        self, device: str, tolerance: float = 1e-9, slots: int = 16, progress: Callable[[int], None] | None = None,
+        checkpoints: Path | None = None,
+    ):  # fmt: skip
+        self.device, self.tolerance, self.slots, self.checkpoints = device, tolerance, slots, checkpoints
         self.progress = progress or (lambda n: None)
         self.rays = self.candidates = self.pairs = 0
         self.kernel_s = 0.0

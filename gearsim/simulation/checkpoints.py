@@ -1,0 +1,92 @@
+"""Stock kept after every operation, so that a run that was killed goes on where it was."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from collections.abc import Sequence
+from contextlib import suppress
+from dataclasses import dataclass, fields
+from pathlib import Path
+from typing import NamedTuple
+from zipfile import BadZipFile
+
+import numpy as np
+
+import gearsim
+from gearsim.errors import InputError
+from gearsim.simulation.operation import Operation
+from gearsim.simulation.stock import Stock
+from gearsim.simulation.stock_file import load_stock, save_stock
+from gearsim.simulation.work import RapidTouch, Work
+
+_FINE, _COARSE, _WORK = "stock.parquet", "look.parquet", "work-{:04}.npz"
+
+
+class Kept(NamedTuple):
+    """After some operations: the fine and the coarse stock, and the work of each of them."""
+
+    stock: Stock
+    look: Stock
+    work: list[Work]
+
+
+@dataclass(frozen=True)
+class Checkpoints:
+    """A ``folder`` that keeps the stock after each of ``operations`` done to a ``blank``, ends to a tolerance [mm].
+
+    What is kept there of another job is not taken.
+    """
+
+    folder: Path
+    blank: Stock
+    tolerance: float
+    operations: Sequence[Operation]
+
+    def last(self) -> Kept | None:
+        """What was kept last of this very job; None where nothing was."""
+        with suppress(InputError, OSError, ValueError, KeyError, BadZipFile):
+            stock, job = load_stock(self.folder / _FINE)
+            look, other = load_stock(self.folder / _COARSE)
+            count = len(stock.done)
+            if job == other == self._digest(count):
+                return Kept(stock, look, [self._work(k) for k in range(count)])
+        return None
+
+    def _work(self, k: int) -> Work:
+        with np.load(self.folder / _WORK.format(k), allow_pickle=False) as kept:
+            row, *place, depth = kept["touch"] if len(kept["touch"]) else (0.0, 0.0, 0.0, 0.0, 0.0)
+            touch = RapidTouch(int(row), np.array(place), float(depth)) if len(kept["touch"]) else None
+            x, y, z = (float(v) for v in kept["left"])
+            return Work(self.operations[k], kept["volume"], (x, y, z), touch)
+
+    def keep(self, kept: Kept) -> None:
+        """Keep what is there after an operation; only together do its files count.
+
+        Raises InputError where the folder cannot be written.
+        """
+        count = len(kept.stock.done)
+        file, work = self.folder / _WORK.format(count - 1), kept.work[-1]
+        touch = [] if work.touch is None else [work.touch.row, *work.touch.place, work.touch.depth]
+        try:
+            self.folder.mkdir(parents=True, exist_ok=True)
+            np.savez(file, volume=work.volume, left=work.left, touch=np.array(touch, dtype=float))
+        except OSError as error:
+            raise InputError(f"{file}: cannot be written: {error.strerror or error}") from error
+        digest = self._digest(count)
+        save_stock(kept.look, self.folder / _COARSE, digest)
+        save_stock(kept.stock, self.folder / _FINE, digest)
+
+    def _digest(self, count: int) -> str:
+        """Of all that the stock after so many operations depends on."""
+        box = self.blank.box
+        start = [gearsim.__version__, self.tolerance, box.pitch, box.lower.tolist(), box.upper.tolist()]
+        told = hashlib.sha256(json.dumps(start).encode())
+        for bundle in self.blank.left:
+            told.update(bundle.lo.tobytes() + bundle.hi.tobytes())
+        for operation in self.operations[:count]:
+            told.update(repr((operation.name, operation.cutter)).encode())
+            for column in fields(operation.table):
+                told.update(np.ascontiguousarray(getattr(operation.table, column.name)).tobytes())
+            told.update(operation.rapid.tobytes())
+        return told.hexdigest()
