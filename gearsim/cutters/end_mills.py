@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from math import degrees, sqrt, tan
+from math import degrees, pi, sqrt, tan
 
 from gearsim.cutters.apt import conical
 from gearsim.cutters.outline import Corner, not_negative, outline, require, sizes, slanted
@@ -24,6 +24,28 @@ def flat(diameter: float, height: float) -> Profile:
     require("flat end mill", sizes(diameter=diameter, height=height))
     r = 0.5 * diameter
     return outline("flat end mill", [Corner(0.0, 0.0), Corner(r, 0.0), Corner(r, height), Corner(0.0, height)])
+
+
+def drill(diameter: float, point_angle: float, height: float) -> Profile:
+    """Twist drill: a cylinder on a pointed cone.
+
+    | parameter | meaning |
+    | --- | --- |
+    | diameter | diameter [mm] |
+    | point_angle | angle of the point, from side to side [rad]; below a half turn |
+    | height | height of the tool [mm], more than the point's |
+
+    Raises InputError for impossible sizes.
+    """
+    r, half = 0.5 * diameter, 0.5 * point_angle
+    rules = [
+        *sizes(diameter=diameter, height=height),
+        (0.0 < half < 0.5 * pi, f"point_angle = {degrees(point_angle):g} deg must lie between 0 and 180 deg"),
+    ]
+    require("drill", rules)
+    point = r / tan(half)
+    require("drill", [(height > point, f"height = {height:g} mm must be more than the point's, {point:g} mm")])
+    return outline("drill", [Corner(0.0, 0.0), Corner(r, point), Corner(r, height), Corner(0.0, height)])
 
 
 def ball(diameter: float, height: float) -> Profile:

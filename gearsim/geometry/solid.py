@@ -75,3 +75,29 @@ class Block:
         end = np.where(beside, np.inf, ends[1]).min(axis=1)
         ray = np.flatnonzero(end > start)
         return ray, start[ray], end[ray]
+
+
+@dataclass(frozen=True)
+class Shifted:
+    """A solid moved by a vector [mm], shape (3,)."""
+
+    solid: Solid
+    by: NDArray[np.floating]
+
+    @property
+    def box(self) -> tuple[NDArray, NDArray]:
+        lower, upper = self.solid.box
+        return lower + self.by, upper + self.by
+
+    @property
+    def volume(self) -> float:
+        return self.solid.volume
+
+    def contains(self, points: NDArray) -> NDArray:
+        return self.solid.contains(points - self.by)
+
+    def signed_distance(self, points: NDArray) -> NDArray:
+        return self.solid.signed_distance(points - self.by)
+
+    def chords(self, origins: NDArray, directions: NDArray) -> tuple[NDArray, NDArray, NDArray]:
+        return self.solid.chords(origins - self.by, directions)

@@ -19,11 +19,14 @@ from gearsim.simulation.operation import Operation, turned_copies
 from gearsim.simulation.sequence import Machined, Machining, in_sequence
 from gearsim.simulation.stock import AXES, Stock
 from gearsim.simulation.work import Work
+from gearsim.surfaces.machined_solid import MachinedSolid
 from gearsim.surfaces.part import Tolerance
 
 if TYPE_CHECKING:
     from gearsim.metrology.job import Job
 
+SOLID = "solid"
+_BY_RAYS = "the solid: by one road only, at the ends of a tri-dexel's rays"
 _NEAR_MM = 0.5
 _ROWS, _COLUMNS, _MARGIN = 33, 129, 0.01
 
@@ -82,8 +85,8 @@ class StockMeasurement:
 class StockInspection:
     """A ``blank`` cut by a variant, ``copies`` times about the part's axis, seen by the tri-dexel of a box.
 
-    ``rapid_mm_min``: how fast the tip goes by rapid (None: not known). ``told``: whether rapids through material are
-    told by another inspection already.
+    ``intended``: the solid that the whole stock is held against, where there is one. ``rapid_mm_min``: how fast the
+    tip goes by rapid (None: not known). ``told``: whether rapids through material are told by another inspection.
     """
 
     variant: str
@@ -93,6 +96,7 @@ class StockInspection:
     spaces: int = 1
     rapid_mm_min: float | None = None
     told: bool = False
+    intended: MachinedSolid | None = None
     name: str = "stock"
 
     def operations(self, job: Job) -> tuple[Operation, ...]:
@@ -110,11 +114,20 @@ class StockInspection:
             found = near_surface(sample_grid(intended.patch, _ROWS, _COLUMNS, _MARGIN), machined.stock, self.spaces)
             surfaces.append(found)
             findings += list(_judged(found, intended.tolerance, job))
+        if self.intended is not None:
+            found = beside_solid(self.intended, machined.stock)
+            surfaces.append(found)
+            findings += list(_judged(found, self.intended.tolerance, job))
         findings += [] if self.told else list(self._rapids(machined, job))
         measured = StockMeasurement(
             self.variant, machined.stock, machined.blank_volumes, self.blank.volume, figures, tuple(surfaces)
         )
-        return Reading((measured,), tuple(findings))
+        if self.intended is None:
+            return Reading((measured,), tuple(findings))
+        doubts = (
+            () if surfaces[-1].ends else ("no ray of the stock holds any material: nothing of the solid was judged",)
+        )
+        return Reading((measured,), tuple(findings), doubts, (SOLID,), (_BY_RAYS,))
 
     def _figures(self, work: Work, removed: NDArray) -> OperationFigures:
         operation, ends = work.operation, []
@@ -140,7 +153,7 @@ def near_surface(grid: SampleGrid, stock: Stock, spaces: int = 1) -> SurfaceFigu
 
     Ends are exact to the cut's tolerance; what lies between rays is not seen.
     """
-    points = np.concatenate([_cut_ends(stock, axis) for axis in AXES])
+    points = np.concatenate([_ends(stock, axis, False) for axis in AXES])
     turned = _into_one_space(points, grid, spaces)
     lower, upper = (f(grid.point[np.isfinite(grid.point).all(axis=-1)], axis=0) for f in (np.min, np.max))
     close = np.flatnonzero(((turned > lower - _NEAR_MM) & (turned < upper + _NEAR_MM)).all(axis=1))
@@ -161,12 +174,23 @@ def near_surface(grid: SampleGrid, stock: Stock, spaces: int = 1) -> SurfaceFigu
     )
 
 
-def _cut_ends(stock: Stock, axis: int) -> NDArray:
-    """Points [mm], shape (n, 3), where a row ended material."""
+def beside_solid(intended: MachinedSolid, stock: Stock) -> SurfaceFigures:
+    """Signed distances of all of a stock's ends, those of the blank too, from an intended solid."""
+    points = np.concatenate([_ends(stock, axis, True) for axis in AXES])
+    distance = intended.signed_distance(points)
+    if not len(points):
+        return SurfaceFigures(SOLID, 0, np.nan, np.nan, np.full(3, np.nan), np.full(3, np.nan))
+    low, high = int(np.argmin(distance)), int(np.argmax(distance))
+    return SurfaceFigures(SOLID, len(points), float(distance[low]), float(distance[high]), points[low], points[high])
+
+
+def _ends(stock: Stock, axis: int, blank: bool) -> NDArray:
+    """Points [mm], shape (n, 3), where a row ended material, and those of the blank itself if asked for."""
     left, rays = stock.left[axis], stock.box.rays(axis)
     ray, tau = np.tile(left.ray, 2), np.concatenate([left.lo, left.hi])
     made = np.concatenate([left.lo_segment, left.hi_segment]) >= 0
-    return rays.origin[ray[made]] + tau[made, None] * rays.direction[ray[made]]
+    chosen = slice(None) if blank else made
+    return rays.origin[ray[chosen]] + tau[chosen, None] * rays.direction[ray[chosen]]
 
 
 def _into_one_space(points: NDArray, grid: SampleGrid, spaces: int) -> NDArray:

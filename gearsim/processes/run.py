@@ -15,6 +15,7 @@ from gearsim.envelope import prepare_envelope
 from gearsim.errors import InputError
 from gearsim.metrology.inspection import Question, perform
 from gearsim.metrology.job import Job, counted
+from gearsim.metrology.stock_check import StockInspection
 from gearsim.metrology.study import Change, study_steps
 from gearsim.metrology.verdict import verdict
 from gearsim.output.presenters import flat_figures
@@ -37,6 +38,7 @@ _PLANNERS = {
     "SculpturedScene": "sculptured",
     "GougeExampleScene": "worked_examples",
     "ProgramScene": "any_program",
+    "SolidScene": "solid_part",
 }
 _SMALLER = "lower metrology.rows and columns or raise simulation.dexel_pitch_mm"
 
@@ -69,7 +71,7 @@ def plan(scene: Scene, folder: Path | None = None) -> Job:
     if elsewhere:
         scene = scene.model_copy(update={"reference": None})
     job: Job = _planner(scene).plan(scene, folder)
-    if scene.stock is not None:
+    if scene.stock is not None and not any(isinstance(i, StockInspection) for i in job.inspections):
         job = with_stock(job, scene.stock)
     return replace(job, notes=(*job.notes, elsewhere)) if elsewhere else job
 

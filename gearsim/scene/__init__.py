@@ -7,6 +7,7 @@ from gearsim.scene.flank_milling import FlankMillingScene
 from gearsim.scene.generated import EnvelopeScene, FaceMillingScene, GeneratedScene, HypoidScene
 from gearsim.scene.loading import check_scene, load_scene, scene_beside, scene_names, scene_table, scene_text
 from gearsim.scene.sculptured import GougeExampleScene, SculpturedScene
+from gearsim.scene.solid_part import SolidScene
 
 __all__ = [
     "CylindricalGearScene",
@@ -19,6 +20,7 @@ __all__ = [
     "ProgramScene",
     "Scene",
     "SculpturedScene",
+    "SolidScene",
     "check_scene",
     "load_scene",
     "scene_beside",

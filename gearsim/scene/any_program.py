@@ -50,7 +50,9 @@ class ProgramToolTable(Table):
 
     @model_validator(mode="after")
     def _one_shape(self) -> ProgramToolTable:
-        mill = self.model_fields_set & {"name", "diameter_mm", "flute_length_mm", "flutes"}
+        known = ("name", "diameter_mm", "flute_length_mm", "flutes")
+        fields = {name: type(self).model_fields[name].default for name in known}
+        mill = [name for name, default in fields.items() if getattr(self, name) != default]
         if self.cutter is not None and mill:
             raise ValueError(f"a cutter needs no {', '.join(sorted(mill))}; its own table says all of it")
         if self.cutter is None and (self.diameter_mm is None or self.flute_length_mm is None):

@@ -20,6 +20,7 @@ from gearsim.scene.flank_milling import FlankMillingScene
 from gearsim.scene.generated import EnvelopeScene, FaceMillingScene, HypoidScene
 from gearsim.scene.mistakes import explained, short
 from gearsim.scene.sculptured import GougeExampleScene, SculpturedScene
+from gearsim.scene.solid_part import SolidScene
 
 SCENES: dict[str, type[Scene]] = {
     "ruled-bevel": FlankMillingScene,
@@ -30,11 +31,12 @@ SCENES: dict[str, type[Scene]] = {
     "cylindrical-gear": CylindricalGearScene,
     "nurbs": SculpturedScene,
     "gouge-example": GougeExampleScene,
+    "solid": SolidScene,
 }
 
 _CL_READERS = ("ruled-bevel", "face-milled-flank")
 _PLANNED = {"nurbs": ("contact", "drop")}  # what toolpath.kind names beside "program"; other planners have one kind
-_OF_ONE_MOTION = ("envelope", "gouge-example")  # surfaces that are nothing without their scene's own motion
+_OF_ONE_MOTION = ("envelope", "gouge-example", "solid")  # surfaces that are cut by what stands in their scene alone
 
 
 def scene_names() -> dict[str, str]:

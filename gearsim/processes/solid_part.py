@@ -1,0 +1,65 @@
+"""Operations in sequence on a blank, held against a solid part."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+
+from gearsim.metrology.job import Job
+from gearsim.metrology.stock_check import StockInspection
+from gearsim.motion.sources import CLMotion
+from gearsim.processes.settings import settings
+from gearsim.scene import scene_table
+from gearsim.scene.solid_part import DrillTable, SolidScene
+from gearsim.simulation.operation import Operation, Variant, operation
+from gearsim.simulation.sequence import whole_box
+from gearsim.surfaces.part import Part
+from gearsim.toolpaths.straight import Move, drilled, milled
+
+FRAME = "part frame: the frame of [surface], the tool axis is +z"
+PROGRAM = "program"
+
+
+def plan(scene: SolidScene, folder: Path) -> Job:
+    """Lay the operations' paths; the tool goes by rapid from one to the next where both are clear of the blank."""
+    blank = scene.blank()
+    table = scene.stock
+    whole = Variant(PROGRAM, "all operations in sequence", tuple(_operations(scene)))
+    asked = StockInspection(
+        PROGRAM, blank, whole_box(blank, table.pitch_mm), rapid_mm_min=table.rapid_mm_min, intended=scene.part()
+    )
+    return Job(
+        name=scene.name,
+        part=Part(FRAME, None, {}),
+        variants=(whole,),
+        main=PROGRAM,
+        inspections=(asked,),
+        settings=settings(scene),
+        scene=scene_table(scene),
+    )
+
+
+def _operations(scene: SolidScene) -> Iterator[Operation]:
+    cutters, holders, step = scene.cutters(), scene.holders(), 0
+    for table in scene.operations:
+        if isinstance(table, DrillTable):
+            moves = list(drilled(table.at_mm, table.clear_mm, table.bottom_mm, table.peck_mm))
+        else:
+            moves = list(milled(table.points_mm, table.clear_mm))
+        sources = [CLMotion(m.tips, np.tile([0.0, 0.0, 1.0], (len(m.tips), 1))) for m in moves]
+        made = operation(
+            table.name, cutters[table.tool], sources, scene.simulation.compile_tolerance_mm,
+            rapid=[m.rapid for m in moves], holder=holders.get(table.tool),
+            seconds=[_seconds(m, table.feed_mm_min) for m in moves],
+        )  # fmt: skip
+        yield replace(made, step=made.step + step)
+        step += len(moves)
+
+
+def _seconds(move: Move, feed: float) -> list[float]:
+    """On the way to each of its points; nan by rapid."""
+    way = np.linalg.norm(np.diff(move.tips, axis=0), axis=1)
+    return [np.nan, *(np.full(len(way), np.nan) if move.rapid else 60.0 * way / feed)]

@@ -1,0 +1,31 @@
+"""A solid part as it is intended: a body less what is taken from it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gearsim.geometry.solid import Solid
+from gearsim.surfaces.part import Tolerance
+
+
+@dataclass(frozen=True)
+class MachinedSolid:
+    """A ``body`` less the solids ``minus``, and how far ends of a stock's rays may lie off its surface."""
+
+    body: Solid
+    minus: tuple[Solid, ...]
+    tolerance: Tolerance
+
+    def signed_distance(self, points: NDArray) -> NDArray:
+        """Distance [mm] of points, shape (n, 3), from the surface, negative inside.
+
+        It is that of the body and of each solid taken from it, whichever is the larger: exact beside a face, and no
+        more than the true distance where faces meet.
+        """
+        distance = self.body.signed_distance(points)
+        for solid in self.minus:
+            distance = np.maximum(distance, -solid.signed_distance(points))
+        return distance

@@ -1,0 +1,108 @@
+"""Solid parts: operations in sequence on a blank, held against the intended solid at every ray's ends."""
+
+from math import pi, tan
+
+import numpy as np
+import pytest
+
+from gearsim.errors import InputError
+from gearsim.processes.run import run
+from gearsim.scene import check_scene, load_scene, scene_table
+
+COARSE = ("stock.pitch_mm=1.0",)
+
+
+def changed(change, pitch=1.0):
+    tables = scene_table(load_scene("drill-grid")[0])
+    tables["stock"]["pitch_mm"] = pitch
+    change(tables)
+    return run(check_scene(tables, "changed"))
+
+
+def measured(result):
+    return result.measurements["", "program", "stock"]
+
+
+def exact_volume():
+    """Six holes of 6 through 12 mm, three of 5 and 8 deep with their points, a slot of 4 x 3 x 60 mm."""
+    point = 2.5 / tan(59.0 * pi / 180.0)
+    blind = pi * 2.5**2 * (8.0 - point + point / 3.0)
+    return 6.0 * pi * 9.0 * 12.0 + 3.0 * blind + 4.0 * 3.0 * 60.0
+
+
+def test_the_plate_comes_out_as_it_is_meant():
+    result = run("drill-grid", overrides=COARSE)
+    assert (result.verdict, result.exit_code) == ("pass", 0)
+    (solid,) = measured(result).surfaces
+    assert solid.ends > 5000
+    assert -1e-6 < solid.overcut <= solid.excess < 1e-6
+    assert "by one road only, at the ends of a tri-dexel's rays" in result.headline
+
+
+def test_its_volume_converges_to_the_closed_form():
+    errors = []
+    for pitch in (1.0, 0.25):
+        found = measured(run("drill-grid", overrides=(f"stock.pitch_mm={pitch}",)))
+        removed = np.subtract(found.blank_volumes, found.stock.volumes)
+        errors.append(np.abs(removed - exact_volume()).max() / exact_volume())
+    assert errors[1] < 0.01
+    assert errors[1] < 0.5 * errors[0]
+
+
+@pytest.mark.parametrize("um", [2.0, 10.0, 100.0])
+def test_a_slot_too_deep_or_too_shallow_is_found_with_its_depth_and_place(um):
+    def cut(by):
+        def change(tables):
+            tables["operations"][2]["points_mm"] = ((-4.0, 20.0, -3.0 - by), (64.0, 20.0, -3.0 - by))
+
+        return changed(change)
+
+    deep, shallow = cut(1e-3 * um), cut(-1e-3 * um)
+    for result, sign in ((deep, -1.0), (shallow, 1.0)):
+        assert result.exit_code == 1
+        (found,) = (f for f in result.findings if f.kind == "stock_out_of_tolerance")
+        assert found.depth_um == pytest.approx(sign * um, abs=1e-3)
+        assert 18.0 < found.place_mm[1] < 22.0
+        assert found.place_mm[2] == pytest.approx(-3.0 + sign * 1e-3 * um)
+
+
+def test_what_was_forgotten_fails():
+    result = changed(lambda tables: tables.update(operations=tables["operations"][:2]))
+    assert result.verdict == "fail"
+    (found,) = (f for f in result.findings if f.kind == "stock_out_of_tolerance")
+    assert found.depth_um == pytest.approx(2000.0, abs=501.0)  # the slot's middle is 2 mm off its walls
+
+
+def test_a_blank_that_is_wholly_gone_is_unchecked():
+    def change(tables):
+        tables["stock"]["blank"] = {"kind": "block", "lower_mm": (28.0, 6.0, -4.0), "upper_mm": (32.0, 10.0, -1.0)}
+
+    result = changed(change, 0.5)
+    assert (result.verdict, result.exit_code) == ("unchecked", 3)
+    assert "no ray of the stock holds any material" in result.headline
+
+
+def test_rapids_that_begin_too_low_go_through_material():
+    def change(tables):
+        tables["operations"][1].update(clear_mm=-1.0)
+
+    result = changed(change)
+    (told,) = (f for f in result.findings if f.kind == "rapid_cut")
+    assert "a rapid move of blind holes goes through material" in told.text
+    assert told.fails
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        (lambda t: t["operations"][0].update(tool=7), r"operations.0.tool: got 7; \[\[tools\]\] has 1, 2, 3"),
+        (lambda t: t["operations"][0].update(clear_mm=-20.0), "must be above bottom_mm"),
+        (lambda t: t["operations"][2].update(clear_mm=-3.0), "must be above all points"),
+        (lambda t: t["stock"].pop("blank"), "stock.blank: missing"),
+        (lambda t: t["tools"][1].update(number=1), "must differ"),
+        (lambda t: t["tools"][0]["cutter"].update(point_angle_deg=180.0), "point_angle_deg"),
+    ],
+)
+def test_what_cannot_be_is_told(change, message):
+    with pytest.raises(InputError, match=message):
+        changed(change)
