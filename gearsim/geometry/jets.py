@@ -25,9 +25,10 @@ class SurfaceJet:
 
     @property
     def normal(self) -> NDArray:
-        """Unit normals out of the material, shape (..., 3)."""
+        """Unit normals out of the material, shape (..., 3); nan where the surface degenerates and has none."""
         n = np.cross(self.ru, self.rv)
-        return self.orientation * n / np.linalg.norm(n, axis=-1, keepdims=True)
+        with np.errstate(invalid="ignore"):
+            return self.orientation * n / np.linalg.norm(n, axis=-1, keepdims=True)
 
     def first_form(self) -> tuple[NDArray, NDArray, NDArray]:
         """First fundamental form E = r_u.r_u, F = r_u.r_v, G = r_v.r_v, each of shape (...)."""

@@ -18,6 +18,7 @@ from gearsim.machines.chain import Machine
 from gearsim.scene.tables import Table
 
 _Length = Annotated[float, Field(gt=-1e5, lt=1e5, allow_inf_nan=False)]
+_ToolLength = Annotated[float, Field(gt=-1e4, lt=1e4, allow_inf_nan=False)]  # no tool is ten metres long
 _Angle = Annotated[float, Field(gt=-180.0, lt=180.0, allow_inf_nan=False)]
 _Vector = tuple[_Length, _Length, _Length]
 _ANGLES = {"alpha", "beta", "taper", "psi_u", "psi_l"}
@@ -69,7 +70,8 @@ def _table(kind: str, make: Callable[..., Any], base: type[CatalogueTable]) -> t
             default = ...
         elif _is_angle(name):
             default = degrees(default)
-        number = _Vector if isinstance(default, tuple) else _Angle if _is_angle(name) else _Length
+        length = _Length if issubclass(base, MachineTable) else _ToolLength
+        number = _Vector if isinstance(default, tuple) else _Angle if _is_angle(name) else length
         fields[key] = (number, default)
     return create_model(f"{kind}Table", __base__=base, **fields)
 

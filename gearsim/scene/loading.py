@@ -31,12 +31,16 @@ SCENES: dict[str, type[Scene]] = {
     "cylindrical-gear": CylindricalGearScene,
     "nurbs": SculpturedScene,
     "gouge-example": GougeExampleScene,
-    "solid": SolidScene,
+    "solid-part": SolidScene,
 }
 
 _CL_READERS = ("ruled-bevel", "face-milled-flank")
 _PLANNED = {"nurbs": ("contact", "drop")}  # what toolpath.kind names beside "program"; other planners have one kind
-_OF_ONE_MOTION = ("envelope", "gouge-example", "solid")  # surfaces that are cut by what stands in their scene alone
+_OF_ONE_MOTION = (
+    "envelope",
+    "gouge-example",
+    "solid-part",
+)  # surfaces that are cut by what stands in their scene alone
 
 
 def scene_names() -> dict[str, str]:

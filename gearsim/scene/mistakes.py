@@ -87,12 +87,13 @@ def _without_tags(where: Sequence[Any], data: Any) -> list[Any]:
 
 def _table_at(where: Sequence[Any], data: Any, table: type[Table]) -> type[Table]:
     """The table that a place in a scene must follow."""
+    choices = [table]
     for part in where:
         data = data[part]
-        if isinstance(part, str):
+        if isinstance(part, str) and part in table.model_fields:  # else it is a name that the scene's author chose
             choices = _tables_in(table.model_fields[part].annotation)
-            kind = data.get("kind") if isinstance(data, dict) else None
-            table = next((c for c in choices if kind in get_args(_kind_of(c))), choices[0])
+        kind = data.get("kind") if isinstance(data, dict) else None
+        table = next((c for c in choices if kind in get_args(_kind_of(c))), choices[0])
     return table
 
 

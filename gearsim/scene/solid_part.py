@@ -34,9 +34,9 @@ class CutOutTable(Table):
 
 
 class SolidTable(Table):
-    """Table [surface] of kind ``solid``: a ``body`` less what is cut out of it."""
+    """Table [surface] of kind ``solid-part``: a ``body`` less what is cut out of it."""
 
-    kind: Literal["solid"]
+    kind: Literal["solid-part"]
     body: AnyBlank
     minus: tuple[CutOutTable, ...] = ()
 

@@ -14,7 +14,7 @@ _COARSE = {
     "envelope": {},
     "nurbs": {"toolpath.stepover_mm": 40.0, "toolpath.points": 5, "toolpath.chord_um": 0.9},
     "gouge-example": {},
-    "solid": {"stock.pitch_mm": 2.0},
+    "solid-part": {"stock.pitch_mm": 2.0},
     "cylindrical-gear": {
         "surface.teeth": 9, "surface.face_width_mm": 4.0,
         "toolpath.slots.radial_immersion": 1.0, "toolpath.slots.radial_step_mm": 5.0,
