@@ -32,6 +32,10 @@ class Solid(Protocol):
         """Distance [mm] of points, shape (..., 3), from its surface, negative inside."""
         ...
 
+    def normals(self, points: NDArray) -> NDArray:
+        """Outward unit normals, shape (n, 3), of the faces that points [mm], shape (n, 3), are nearest to."""
+        ...
+
     def chords(self, origins: NDArray, directions: NDArray) -> tuple[NDArray, NDArray, NDArray]:
         """Where rays, both shape (n, 3), run inside: ray indices in rising order, starts and ends [mm], rising per ray.
 
@@ -65,6 +69,10 @@ class Block:
     def signed_distance(self, points: NDArray) -> NDArray:
         out = np.maximum(self.lower - points, points - self.upper)
         return np.linalg.norm(np.maximum(out, 0.0), axis=-1) + np.minimum(out.max(axis=-1), 0.0)
+
+    def normals(self, points: NDArray) -> NDArray:
+        face = np.argmin(np.abs(np.column_stack([points - self.lower, points - self.upper])), axis=1)
+        return np.concatenate([-np.eye(3), np.eye(3)])[face]
 
     def chords(self, origins: NDArray, directions: NDArray) -> tuple[NDArray, NDArray, NDArray]:
         beside = directions == 0.0

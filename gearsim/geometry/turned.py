@@ -46,6 +46,25 @@ class Turned:
             nearest = np.minimum(nearest, np.linalg.norm(off - share[..., None] * way, axis=-1))
         return np.where(self.contains(points), -nearest, nearest)
 
+    def normals(self, points: NDArray) -> NDArray:
+        """Outward unit normals, shape (n, 3), of the faces that points, shape (n, 3) [mm], are nearest to."""
+        radius = np.hypot(points[:, 0], points[:, 1])
+        at = np.column_stack([radius, points[:, 2]])
+        nearest, normal = np.full(len(points), np.inf), np.empty((len(points), 2))
+        r, z = self.polygon.T
+        outward = np.sign(r @ np.roll(z, -1) - z @ np.roll(r, -1))
+        for start, end in self._edges():
+            way, off = end - start, at - start
+            if start[0] == end[0] == 0.0:
+                continue  # the axis is no face
+            share = np.clip(off @ way / (way @ way), 0.0, 1.0)
+            away = np.linalg.norm(off - share[:, None] * way, axis=1)
+            closer = away < nearest
+            nearest[closer] = away[closer]
+            normal[closer] = outward * np.array([way[1], -way[0]]) / np.linalg.norm(way)
+        out = points[:, :2] / np.where(radius > 0.0, radius, 1.0)[:, None]
+        return np.column_stack([normal[:, :1] * out, normal[:, 1]])
+
     def chords(self, origins: NDArray, directions: NDArray) -> tuple[NDArray, NDArray, NDArray]:
         """Where rays run inside the solid.
 

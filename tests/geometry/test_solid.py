@@ -74,3 +74,23 @@ def test_a_ray_in_a_face_belongs_to_the_lower_face_alone():
 def test_a_block_without_an_inside_is_refused():
     with pytest.raises(InputError, match="every upper coordinate must be the larger"):
         Block(np.zeros(3), np.array([1.0, 0.0, 1.0]))
+
+
+@pytest.mark.parametrize("solid", [*SOLIDS, Turned(RING.polygon[::-1]), Turned(np.array([[0, 0], [3, 0], [0, 4.0]]))])
+def test_normals_point_out_of_the_solid(solid, rng):
+    """A step along the normal leaves the surface by its length, one against it goes in as far; but near edges."""
+    origins, directions = random_rays(rng)
+    ray, start, end = solid.chords(origins, directions)
+    points = np.concatenate([origins[ray] + tau[:, None] * directions[ray] for tau in (start, end)])
+    normals = solid.normals(points)
+    assert np.allclose(np.linalg.norm(normals, axis=1), 1.0, atol=1e-14)
+    for step in (1e-3, -1e-3):
+        off = np.abs(solid.signed_distance(points + step * normals) - step) > 1e-9
+        assert off.mean() < 0.01
+
+
+def test_the_axis_is_no_face_and_edges_have_the_normal_of_a_face():
+    disc = Turned(np.array([[0.0, 0.0], [4.0, 0.0], [4.0, 2.0], [0.0, 2.0]]))
+    assert np.allclose(disc.normals(np.array([[0.0, 0.0, 2.0], [0.0, 0.0, 0.0]])), [[0, 0, 1], [0, 0, -1]])
+    assert np.isclose(disc.normals(np.array([[4.0, 0.0, 2.0]])) ** 2, 1.0).sum() == 1
+    assert np.isclose(BLOCK.normals(np.array([[3.0, 1.0, 5.0]])) ** 2, 1.0).sum() == 1
