@@ -1,0 +1,93 @@
+"""The surface of a tri-dexel as a closed mesh of triangles (dual contouring, sharp edges kept)."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gearsim.geometry.triangles import TriangleMesh
+from gearsim.simulation.contour.cells import Quads, quads
+from gearsim.simulation.contour.columns import Columns, columns
+from gearsim.simulation.contour.crossings import across, along
+from gearsim.simulation.contour.hits import Hits, Normals, hits, nodes
+from gearsim.simulation.contour.placing import place
+from gearsim.simulation.contour.splitting import split
+from gearsim.simulation.dexels import DexelBox
+from gearsim.simulation.intervals import IntervalSet
+from gearsim.simulation.stock import Stock
+
+_BEYOND = 1.0
+"""Of a cell: how far a vertex may leave its own, for edges and corners that the nodes do not see."""
+
+
+@dataclass(frozen=True)
+class Contour:
+    """A tri-dexel's surface, and what is certain of it.
+
+    ``mesh`` is in the part's frame. ``volume`` [mm³] is that of the bundle along the box's last axis; ``unseen`` [mm³]
+    are its walls and gaps that lie between two nodes, which no mesh of the nodes shows. ``bound`` [mm³]: the two
+    volumes differ by less (half a cell for every end, one for every cell with a vertex, what is unseen, and what
+    vertices add that left their cells); it falls as the pitch does. ``apart``: crossed edges on which the bundles do
+    not agree.
+    """
+
+    mesh: TriangleMesh
+    volume: float
+    unseen: float
+    bound: float
+    apart: int
+
+
+def contour(stock: Stock, normals: Normals) -> Contour:
+    """The surface of the material that is left of a stock.
+
+    The nodes of the lattice are where rays of all three bundles meet; the bundle along the last axis alone says which
+    are material, so that the surface is watertight however ends tie. Every edge has two faces, every vertex one fan of
+    them. Edges and corners of the part are kept sharp, which takes some vertices into cells beside their own. Walls and
+    gaps thinner than a cell may be missing; the mesh may touch or cross itself where they are thinner than two.
+    """
+    box, left = stock.box, stock.left
+    first, second, third = (int(n) for n in box.counts)
+    runs = columns((first, second, third), nodes(box, 2)[1:-1], left[2])
+    crossings = [across(runs, 0), across(runs, 1), along(runs)]
+    topology = quads(crossings, (first + 1, second + 1, third + 1))
+    at = _joined([hits(box, left, c, normals) for c in crossings])
+    axis, leaves = np.repeat([0, 1, 2], [len(c) for c in crossings]), np.concatenate([c.leaves for c in crossings])
+    held, vertices = _vertices(box, topology, at)
+    points, triangles, quad = split(topology, axis, leaves, vertices, at.point)
+    if np.linalg.det(box.frame.rotation) < 0.0:
+        triangles = triangles[:, ::-1]
+    mesh = TriangleMesh(box.frame.point(points), triangles, at.tag[quad])
+    points[: len(held)] = held
+    inner = TriangleMesh(points, triangles, mesh.tag)
+    beyond = abs(abs(mesh.volume) - abs(inner.volume))
+    return _judged(box, left[2], runs, mesh, len(topology.cells), beyond, at)
+
+
+def _joined(found: Sequence[Hits]) -> Hits:
+    return Hits(*(np.concatenate([getattr(h, name) for h in found]) for name in ("point", "normal", "tag")))
+
+
+def _vertices(box: DexelBox, topology: Quads, at: Hits) -> tuple[NDArray, NDArray]:
+    """Places of the vertices in the box's frame: within their cells, and as they are."""
+    cell = np.unravel_index(topology.cell, tuple(box.counts + 1))
+    lattice = [box.lower[k] + nodes(box, k) for k in range(3)]
+    lower, upper = (np.column_stack([lattice[k][cell[k] + step] for k in range(3)]) for step in (0, 1))
+    held, free = place(topology.corners, at.point, at.normal, lower, upper)
+    room = _BEYOND * (upper - lower)
+    near = np.all((free >= lower - room) & (free <= upper + room), axis=1)
+    return held, np.where(near[:, None], free, held)
+
+
+def _judged(
+    box: DexelBox, material: IntervalSet, runs: Columns, mesh: TriangleMesh, cells: int, beyond: float, at: Hits
+) -> Contour:  # fmt: skip
+    area = box.cell_area(2)
+    cell = area * float(box.upper[2] - box.lower[2]) / float(box.counts[2])
+    unseen = area * (runs.walls + runs.gaps)
+    bound = cell * (cells + len(runs.column)) + unseen + beyond
+    volume = area * float((material.hi - material.lo).sum())
+    return Contour(mesh, volume, unseen, bound, int(np.count_nonzero(~at.normal.any(axis=1))))
