@@ -11,11 +11,12 @@ from numpy.typing import NDArray
 
 
 def mesh(
-    points: NDArray, faces: Sequence[NDArray] = (), lines: NDArray | None = None, values: Mapping[str, NDArray] = {}
+    points: NDArray, faces: Sequence[NDArray] = (), lines: NDArray | None = None, values: Mapping[str, NDArray] = {},
+    cells: Mapping[str, NDArray] = {},
 ) -> Any:  # fmt: skip
     """Points [mm], shape (n, 3); faces, arrays of point numbers (m, corners); lines, shape (k, 2); n values each.
 
-    Coordinates are kept in the precision that they come in.
+    ``cells``: values of lines and faces, in this order. Coordinates are kept in the precision that they come in.
     """
     from vtkmodules.util.numpy_support import numpy_to_vtk
     from vtkmodules.vtkCommonCore import vtkPoints
@@ -28,10 +29,11 @@ def mesh(
         out.SetPolys(_cells(faces))
     if lines is not None:
         out.SetLines(_cells([lines]))
-    for name, value in values.items():
-        array = numpy_to_vtk(np.ascontiguousarray(value), deep=True)
-        array.SetName(name)
-        out.GetPointData().AddArray(array)
+    for data, given in ((out.GetPointData(), values), (out.GetCellData(), cells)):
+        for name, value in given.items():
+            array = numpy_to_vtk(np.ascontiguousarray(value), deep=True)
+            array.SetName(name)
+            data.AddArray(array)
     return out
 
 
