@@ -55,9 +55,7 @@ def section(mesh: TriangleMesh, point: ArrayLike, normal: ArrayLike) -> Section:
     at, way = np.array(point, dtype=float), np.array(normal, dtype=float)
     length = float(np.linalg.norm(way))
     if not (at.shape == way.shape == (3,) and np.isfinite(at).all() and np.isfinite(length) and length > 0.0):
-        raise InputError(
-            f"section plane: point {at} and normal {way}; wanted are 3 numbers each, the normal not 0"
-        )
+        raise InputError(f"section plane: point {at} and normal {way}; wanted are 3 numbers each, the normal not 0")
     way /= length
     height = (mesh.points - at) @ way
     edge, points = _crossed(mesh, height)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
@@ -14,7 +15,12 @@ from gearsim.result import Result
 
 
 def write_columns(tables: list[dict[str, Column]], result: Result, file: Path) -> None:
-    """Write tables of columns one below the other, with what the file states in its metadata.
+    """Write tables of a run, one below the other, with what its files state of it in the metadata."""
+    write_table(tables, {**stated(result), "version": result.versions["gearsim"]}, file)
+
+
+def write_table(tables: list[dict[str, Column]], notes: Mapping[str, str], file: Path) -> None:
+    """Write tables of columns one below the other, with ``notes`` in the file's metadata under ``gearsim.``.
 
     A column that a table lacks is null in its rows, as is every number that is masked or not finite. Codes are words:
     a dictionary column opens as another kind of thing in each reader, and Parquet packs words as small. Unit, meaning
@@ -27,9 +33,8 @@ def write_columns(tables: list[dict[str, Column]], result: Result, file: Path) -
     names = list(dict.fromkeys(name for table in tables for name in table))
     parts = [pa.table({name: _values(table[name]) for name in names if name in table}) for table in tables]
     whole = pa.concat_tables(parts, promote_options="default").select(names)
-    notes = {**stated(result), "version": result.versions["gearsim"]}
     told = {name: about(name, _together([table for table in tables if name in table], name)) for name in names}
-    notes["columns"] = json.dumps(told, ensure_ascii=False)
+    notes = {**notes, "columns": json.dumps(told, ensure_ascii=False)}
     fields = [whole.schema.field(name).with_metadata(_texts(told[name])) for name in names]
     schema = pa.schema(fields, {f"gearsim.{k}": v for k, v in notes.items()})
     pq.write_table(pa.Table.from_arrays(whole.columns, schema=schema), file)

@@ -24,11 +24,15 @@ from tests.simulation.test_contour import CUTS, PLATE
 NAMES = ("move",) * 3
 
 
-@pytest.fixture(scope="module")
-def surface():
+def make_stock():
     """A plate with a slot, a groove and a hole, in a box whose lattice is square with nothing."""
     box = DexelBox(Rigid(np.eye(3), np.zeros(3)), PLATE.lower - 0.37, PLATE.upper + 0.51, 0.7)
-    stock = cut_stock(blank_stock(box, PLATE), CUTS, Workshop("cpu"))
+    return cut_stock(blank_stock(box, PLATE), CUTS, Workshop("cpu"))
+
+
+@pytest.fixture(scope="module")
+def surface():
+    stock = make_stock()
     return solid_surface(contour(stock, EndNormals(PLATE, CUTS, "cpu")).mesh, stock)
 
 

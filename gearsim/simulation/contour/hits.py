@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -10,13 +10,11 @@ from numpy.typing import NDArray
 
 from gearsim.simulation.contour.crossings import Crossings
 from gearsim.simulation.dexels import DexelBox
+from gearsim.simulation.ends import Normals, outward
 from gearsim.simulation.intervals import IntervalSet
 
 _CLOSE = 1e-6
 """Of the pitch: an end so near to an edge of the lattice lies on it."""
-
-Normals = Callable[[NDArray, NDArray], NDArray]
-"""Outward normals, shape (n, 3), at points [mm], shape (n, 3), of the surfaces with given tags, shape (n,)."""
 
 
 @dataclass(frozen=True)
@@ -52,7 +50,7 @@ def hits(box: DexelBox, left: Sequence[IntervalSet], crossings: Crossings, norma
     point = np.column_stack([nodes(box, k)[crossings.node[:, k]] for k in range(3)]) + box.lower
     point[:, axis] = box.lower[axis] + at
     normal = np.zeros((count, 3))
-    normal[real] = _normals(box, axis, point[real], tag[real], crossings.leaves[real], normals)
+    normal[real] = outward(box, axis, point[real], tag[real], crossings.leaves[real], normals)
     return Hits(point, normal, tag)
 
 
@@ -92,15 +90,3 @@ def _nearest(box: DexelBox, material: IntervalSet, crossings: Crossings, leaves:
     best = np.argmin(off, axis=1)[:, None]
     row = np.take_along_axis(rows, best, axis=1)
     return np.where(np.take_along_axis(own, best, axis=1), row, -1)[:, 0]
-
-
-def _normals(
-    box: DexelBox, axis: int, point: NDArray, tag: NDArray, leaves: NDArray, normals: Normals
-) -> NDArray:  # fmt: skip
-    """Normals in the box's frame; where the blank goes on beyond the box, its side cuts it off."""
-    on_side = (tag < 0) & ((point[:, axis] == box.lower[axis]) | (point[:, axis] == box.upper[axis]))
-    out = np.zeros(point.shape)
-    out[on_side, axis] = np.where(leaves[on_side], 1.0, -1.0)
-    rest = ~on_side
-    out[rest] = box.frame.inverse().direction(normals(box.frame.point(point[rest]), tag[rest]))
-    return out

@@ -12,10 +12,11 @@ from gearsim.geometry.triangles import TriangleMesh
 from gearsim.simulation.contour.cells import Quads, quads
 from gearsim.simulation.contour.columns import Columns, columns
 from gearsim.simulation.contour.crossings import across, along
-from gearsim.simulation.contour.hits import Hits, Normals, hits, nodes
+from gearsim.simulation.contour.hits import Hits, hits, nodes
 from gearsim.simulation.contour.placing import place
 from gearsim.simulation.contour.splitting import split
 from gearsim.simulation.dexels import DexelBox
+from gearsim.simulation.ends import Normals
 from gearsim.simulation.intervals import IntervalSet
 from gearsim.simulation.stock import Stock
 
