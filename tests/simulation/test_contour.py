@@ -11,10 +11,13 @@ from gearsim.cutters.catalogue import apt
 from gearsim.cutters.end_mills import ball
 from gearsim.geometry.rigid import Rigid
 from gearsim.geometry.solid import Block
+from gearsim.geometry.triangles import TriangleMesh
 from gearsim.geometry.turned import Turned
 from gearsim.simulation.contour.cells import quads
 from gearsim.simulation.contour.columns import columns
 from gearsim.simulation.contour.crossings import across, along
+from gearsim.simulation.contour.hits import Hits
+from gearsim.simulation.contour.skin import close
 from gearsim.simulation.contour.surface import contour
 from gearsim.simulation.dexels import DexelBox
 from gearsim.simulation.intervals import nothing, stretches
@@ -99,6 +102,47 @@ def test_a_lattice_may_close_around_its_first_index():
         edges, count = np.unique(sides, axis=0, return_counts=True)
         assert np.all(count == 2)
         assert len(np.unique(found.corners)) - len(edges) + len(found.corners) == euler
+
+
+def test_a_polar_lattice_is_contoured_too():
+    """A torus about z on rings of nodes, left-handed and closed around z; each edge cut by itself, along its chord."""
+    sectors, radii, heights = 60, 3.0 + 0.15 * np.arange(30), -1.4 + 0.15 * np.arange(20)
+
+    def node(index):
+        """Where nodes are that are counted as in crossings."""
+        angle = 2.0 * np.pi * index[:, 0] / sectors
+        r = 3.0 + 0.15 * (index[:, 1] - 1.0)
+        return np.column_stack([r * np.cos(angle), r * np.sin(angle), -1.4 + 0.15 * (index[:, 2] - 1.0)])
+
+    def over(p):
+        return np.hypot(np.hypot(p[:, 0], p[:, 1]) - 5.0, p[:, 2]) - 1.0
+
+    half = np.sqrt(np.maximum(1.0 - (radii - 5.0) ** 2, 0.0))
+    column = (30 * np.arange(sectors)[:, None] + np.flatnonzero(half)).ravel()
+    ends = np.tile(half[half > 0.0], sectors)
+    runs = columns((sectors, 30, 20), heights, stretches(30 * sectors, column, -ends, ends, -1), periodic=True)
+    crossings = [across(runs, 0), across(runs, 1), along(runs)]
+    topology = quads(crossings, (sectors, 31, 21))
+    index = np.concatenate([c.node for c in crossings])
+    start, end = node(index), node(index + np.repeat(np.eye(3, dtype=int), [len(c) for c in crossings], axis=0))
+    leaves, low, high = np.concatenate([c.leaves for c in crossings]), np.zeros(len(index)), np.ones(len(index))
+    for _ in range(50):
+        share = 0.5 * (low + high)
+        beyond = (over(start + share[:, None] * (end - start)) < 0.0) == leaves
+        low, high = np.where(beyond, share, low), np.where(beyond, high, share)
+    point = start + low[:, None] * (end - start)
+    ring = 5.0 * np.column_stack([point[:, :2] / np.hypot(point[:, 0], point[:, 1])[:, None], np.zeros(len(point))])
+    normal = (point - ring) / np.linalg.norm(point - ring, axis=1)[:, None]
+    cell = np.column_stack(np.unravel_index(topology.cell, (sectors, 31, 21)))
+    corners = np.array([node(cell + np.array([i, j, k])) for i in (0, 1) for j in (0, 1) for k in (0, 1)])
+    at = Hits(point, normal, np.zeros(len(point), dtype=int))
+    skin = close(topology, leaves, end - start, at, corners.min(axis=0), corners.max(axis=0))
+    mesh = TriangleMesh(skin.points, skin.triangles[:, ::-1], skin.quad)
+    assert mesh.open_edges == 0
+    assert mesh.euler == 0
+    assert fans(mesh) == len(mesh.points)
+    assert np.abs(over(mesh.points)).max() < 0.02
+    assert mesh.volume == pytest.approx(2.0 * np.pi**2 * 5.0, rel=0.01)
 
 
 def test_simple_bodies_have_their_euler_characteristic(plates):

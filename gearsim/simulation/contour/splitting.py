@@ -12,21 +12,22 @@ _CHUNK = 1 << 19
 
 
 def split(
-    quads: Quads, axis: NDArray, leaves: NDArray, points: NDArray, hit: NDArray
+    quads: Quads, way: NDArray, leaves: NDArray, points: NDArray, hit: NDArray
 ) -> tuple[NDArray, NDArray, NDArray]:  # fmt: skip
     """Points [mm] with those that were added, triangles (m, 3), and the quad each is of.
 
-    ``axis`` and ``leaves`` of the edge that each quad is around, ``hit`` [mm] where the surface meets it. The edge
-    meets one of the two triangles; of the two diagonals that one is taken with which it does nearer to its hit, so that
-    quads bend along sharp edges. Where two cells share two arcs of one face, the side is led through a point of its
-    own for each arc, and the quad is a fan around its hit: else four faces would meet in that side.
+    ``way``, shape (n, 3), of the edge that each quad is around, ``leaves`` as of its crossing, ``hit`` [mm] where the
+    surface meets it. The edge meets one of the two triangles; of the two diagonals that one is taken with which it does
+    nearer to its hit, so that quads bend along sharp edges. Where two cells share two arcs of one face, the side is led
+    through a point of its own for each arc, and the quad is a fan around its hit: else four faces would meet in that
+    side.
     """
     plain = np.ones(len(leaves), dtype=bool)
     plain[quads.double[:, 0]] = False
     number = np.flatnonzero(plain)
     second = np.concatenate(
         [np.empty(0, dtype=bool)]
-        + [_other_diagonal(points[quads.corners[q]] - hit[q, None], axis[q]) for q in _chunks(number)]
+        + [_other_diagonal(points[quads.corners[q]] - hit[q, None], way[q]) for q in _chunks(number)]
     )
     turned = np.where(second[:, None], np.roll(quads.corners[plain], -1, axis=1), quads.corners[plain])
     fans, owner, added = _fans(quads, len(points), hit)
@@ -41,22 +42,22 @@ def _chunks(number: NDArray) -> list[NDArray]:
     return [number[begin : begin + _CHUNK] for begin in range(0, len(number), _CHUNK)]
 
 
-def _other_diagonal(corner: NDArray, axis: NDArray) -> NDArray:
+def _other_diagonal(corner: NDArray, way: NDArray) -> NDArray:
     """Whether quads, shape (n, 4, 3) as seen from their hits, are better split from corner 1 to 3 than from 0 to 2."""
-    turn = (axis[:, None] + np.arange(3)) % 3
-    along, x, y = np.moveaxis(np.take_along_axis(corner, turn[:, None, :], axis=2), 2, 0)
-    off = []
+    height = np.einsum("nki,ni->nk", corner, way)
+    across = np.cross(corner[:, 2] - corner[:, 0], corner[:, 3] - corner[:, 1])
+    turn = np.copysign(1.0, np.einsum("ni,ni->n", across, way))  # -1 where the lattice is left-handed
+    beside = np.einsum("nki,ni->nk", np.cross(corner, np.roll(corner, -2, axis=1)), way)
+    rows, off = np.arange(len(corner))[:, None], []
     for first in (0, 1):
-        right = x[:, first] * y[:, first + 2] < y[:, first] * x[:, first + 2]  # the edge is right of the diagonal
-        three = np.column_stack([np.full(len(x), first), np.where(right, first + 1, first + 2)])
-        three = np.column_stack([three, np.where(right, first + 2, (first + 3) % 4)])
-        height, u, v = (np.take_along_axis(w, three, axis=1) for w in (along, x, y))
-        share = np.roll(u, -1, 1) * np.roll(v, 1, 1) - np.roll(v, -1, 1) * np.roll(u, 1, 1)
+        right = turn * beside[:, first] < 0.0  # the edge passes right of the diagonal
+        three = np.array([[first, first + 2, (first + 3) % 4], [first, first + 1, first + 2]])[right.astype(int)]
+        p = corner[rows, three]
+        share = np.einsum("nki,ni->nk", np.cross(np.roll(p, -1, axis=1), np.roll(p, 1, axis=1)), way)
         with np.errstate(divide="ignore", invalid="ignore"):
-            gap = np.abs((share * height).sum(axis=1) / share.sum(axis=1))
+            gap = np.abs((share * height[rows, three]).sum(axis=1) / share.sum(axis=1))
         off.append(np.where(np.isfinite(gap), gap, np.inf))
-    size = np.abs(x).max(axis=1, initial=0.0)
-    return off[1] + _BETTER * size < off[0]
+    return off[1] + _BETTER * np.abs(height).max(axis=1, initial=0.0) < off[0]
 
 
 def _fans(quads: Quads, first: int, hit: NDArray) -> tuple[NDArray, NDArray, NDArray]:

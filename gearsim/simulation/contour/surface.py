@@ -13,15 +13,11 @@ from gearsim.simulation.contour.cells import Quads, quads
 from gearsim.simulation.contour.columns import Columns, columns
 from gearsim.simulation.contour.crossings import across, along
 from gearsim.simulation.contour.hits import Hits, hits, nodes
-from gearsim.simulation.contour.placing import place
-from gearsim.simulation.contour.splitting import split
+from gearsim.simulation.contour.skin import close
 from gearsim.simulation.dexels import DexelBox
 from gearsim.simulation.ends import Normals
 from gearsim.simulation.intervals import IntervalSet
 from gearsim.simulation.stock import Stock
-
-_BEYOND = 1.0
-"""Of a cell: how far a vertex may leave its own, for edges and corners that the nodes do not see."""
 
 
 @dataclass(frozen=True)
@@ -56,31 +52,24 @@ def contour(stock: Stock, normals: Normals) -> Contour:
     crossings = [across(runs, 0), across(runs, 1), along(runs)]
     topology = quads(crossings, (first + 1, second + 1, third + 1))
     at = _joined([hits(box, left, c, normals) for c in crossings])
-    axis, leaves = np.repeat([0, 1, 2], [len(c) for c in crossings]), np.concatenate([c.leaves for c in crossings])
-    held, vertices = _vertices(box, topology, at)
-    points, triangles, quad = split(topology, axis, leaves, vertices, at.point)
-    if np.linalg.det(box.frame.rotation) < 0.0:
-        triangles = triangles[:, ::-1]
-    mesh = TriangleMesh(box.frame.point(points), triangles, at.tag[quad])
-    points[: len(held)] = held
-    inner = TriangleMesh(points, triangles, mesh.tag)
-    beyond = abs(abs(mesh.volume) - abs(inner.volume))
-    return _judged(box, left[2], runs, mesh, len(topology.cells), beyond, at)
+    way = np.repeat(np.eye(3), [len(c) for c in crossings], axis=0)
+    leaves = np.concatenate([c.leaves for c in crossings])
+    skin = close(topology, leaves, way, at, *_cells(box, topology))
+    triangles = skin.triangles if np.linalg.det(box.frame.rotation) > 0.0 else skin.triangles[:, ::-1]
+    mesh = TriangleMesh(box.frame.point(skin.points), triangles, at.tag[skin.quad])
+    return _judged(box, left[2], runs, mesh, len(topology.cells), skin.beyond, at)
 
 
 def _joined(found: Sequence[Hits]) -> Hits:
     return Hits(*(np.concatenate([getattr(h, name) for h in found]) for name in ("point", "normal", "tag")))
 
 
-def _vertices(box: DexelBox, topology: Quads, at: Hits) -> tuple[NDArray, NDArray]:
-    """Places of the vertices in the box's frame: within their cells, and as they are."""
+def _cells(box: DexelBox, topology: Quads) -> tuple[NDArray, NDArray]:
+    """Lower and upper corners of the vertices' cells in the box's frame."""
     cell = np.unravel_index(topology.cell, tuple(box.counts + 1))
     lattice = [box.lower[k] + nodes(box, k) for k in range(3)]
     lower, upper = (np.column_stack([lattice[k][cell[k] + step] for k in range(3)]) for step in (0, 1))
-    held, free = place(topology.corners, at.point, at.normal, lower, upper)
-    room = _BEYOND * (upper - lower)
-    near = np.all((free >= lower - room) & (free <= upper + room), axis=1)
-    return held, np.where(near[:, None], free, held)
+    return lower, upper
 
 
 def _judged(
