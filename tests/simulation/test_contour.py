@@ -233,6 +233,16 @@ def test_an_edge_too_thin_for_the_nodes_is_cut_off_within_a_cell(rng):
     assert np.abs(off).max() < 0.5
 
 
+def test_thin_walls_grow_no_spikes(rng):
+    """A wedge of 20 deg whose ridge is cut off 0.3 wide: its sides would meet 0.85 above, the nodes are 0.5 apart."""
+    for _ in range(5):
+        sharp = roof(20.0, rng)
+        down = -(sharp.planes[0] + sharp.planes[1])
+        solid = Faceted(np.vstack([sharp.planes, -down]), [*sharp.heights, -0.85 * np.linalg.norm(down)])
+        found = surface(cube(7.0, 0.5), solid)
+        assert np.count_nonzero(solid.over(found.mesh.points).max(axis=1) > 0.05) <= 1
+
+
 @settings(max_examples=25, deadline=None)
 @given(st.data())
 def test_a_slot_in_a_block_is_exact_wherever_nodes_and_faces_lie(data):

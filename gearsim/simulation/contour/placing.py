@@ -6,7 +6,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 _SHARP = 0.01
-"""Planes bend at an edge where the spread of their normals is this share of its largest; less is taken for a curve."""
+"""Planes bend where a direction has this share of their normals' spread; less is taken for a curve."""
+_THIN = 0.09
+"""The same share for planes on both sides of a thin wall or wedge: where they meet, far off, is not asked."""
 _CHUNK = 1 << 19
 
 
@@ -29,11 +31,12 @@ def place(
     for own in vertices.T:
         planes = np.einsum("ij,ij->i", normal, point - middle[own])
         right += np.column_stack([np.bincount(own, normal[:, i] * planes, n) for i in range(3)])
+    least = np.where(_facing(vertices, normal, square), _THIN, _SHARP) * np.trace(square, axis1=1, axis2=2)
     free, held = np.empty((n, 3)), np.empty((n, 3))
     for begin in range(0, n, _CHUNK):
         part = slice(begin, begin + _CHUNK)
         bounds = (side[part] - middle[part] for side in (lower, upper))
-        free[part], held[part] = _least(square[part], right[part], *bounds)
+        free[part], held[part] = _least(square[part], right[part], least[part], *bounds)
     return middle + held, middle + free
 
 
@@ -52,9 +55,25 @@ def _mean(vertices: NDArray, point: NDArray, real: NDArray, n: int) -> NDArray:
     return np.column_stack(sums) / count[:, None]
 
 
-def _least(square: NDArray, right: NDArray, lower: NDArray, upper: NDArray) -> tuple[NDArray, NDArray]:
+def _facing(vertices: NDArray, normal: NDArray, square: NDArray) -> NDArray:
+    """Vertices with planes that nearly lie back to back: their normals point both ways along their main direction."""
+    value, way = np.linalg.eigh(square)
+    share = value / np.maximum(np.trace(square, axis1=1, axis2=2), 1e-300)[:, None]
+    doubtful = np.any((share > _SHARP) & (share < _THIN), axis=1)
+    main = np.where(doubtful[:, None], way[:, :, 2], 0.0)
+    both = [np.zeros(len(square)), np.zeros(len(square))]
+    for own in vertices.T:
+        row = np.flatnonzero(doubtful[own])
+        along = np.einsum("ij,ij->i", normal[row], main[own[row]])
+        for side, sign in zip(both, (1.0, -1.0), strict=True):
+            side += np.bincount(own[row], sign * along > 0.3, len(square))
+    return (both[0] > 0.0) & (both[1] > 0.0)
+
+
+def _least(
+    square: NDArray, right: NDArray, least: NDArray, lower: NDArray, upper: NDArray
+) -> tuple[NDArray, NDArray]:  # fmt: skip
     """Least squares without and with bounds, shape (n, 3): coordinates out of bounds are held there, step by step."""
-    least = _SHARP * np.trace(square, axis1=1, axis2=2)
     free = _solve(square, right, least)
     at, fixed = free.copy(), np.zeros(free.shape, dtype=bool)
     for _ in range(3):
