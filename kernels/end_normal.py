@@ -20,6 +20,7 @@ FEW_POSES = wp.constant(16)
 MANY_POSES = wp.constant(256)
 HALVINGS = wp.constant(38)
 NEAR = wp.constant(f64(1.0e-8))
+ON_AXIS = wp.constant(f64(1.0e-9))
 
 
 @wp.struct
@@ -76,7 +77,9 @@ def touch_at(sections: Sections, part: int, motion: Motion, row: int, point: wp.
         over = over_face(sections, k, r, z)
         if over[0] > best[0]:
             best = over
-    out = w / wp.max(r, TINY)
+    out = wp.vec3d()
+    if r > ON_AXIS:  # else w is noise
+        out = w / r
     touch = Touch()
     touch.x = x
     touch.f = best[0]
@@ -169,5 +172,5 @@ def end_normals(
         if wp.abs(best.f) <= NEAR:
             break
         poses = MANY_POSES
-    normal_out[i] = -best.normal
+    normal_out[i] = -wp.normalize(best.normal)  # shorter at a point on the axis alone
     gap_out[i] = best.f

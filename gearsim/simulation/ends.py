@@ -14,6 +14,8 @@ from gearsim.simulation.stock import AXES, Stock
 Normals = Callable[[NDArray, NDArray], NDArray]
 """Outward normals, shape (n, 3), at points [mm], shape (n, 3), of the surfaces with given tags, shape (n,)."""
 
+_ROUNDING = 1e-14
+
 
 @dataclass(frozen=True)
 class Ends:
@@ -45,7 +47,9 @@ def material_ends(stock: Stock, normals: Normals) -> Ends:
 def outward(box: DexelBox, axis: int, point: NDArray, tag: NDArray, leaves: NDArray, normals: Normals) -> NDArray:
     """Normals in a box's frame at ends of material along one of its axes, ``point`` in its frame; ``leaves``: the
     upper ends. Where a blank goes on beyond the box, it is the box's side that ends it."""
-    on_side = (tag < 0) & ((point[:, axis] == box.lower[axis]) | (point[:, axis] == box.upper[axis]))
+    sides = np.array([box.lower[axis], box.upper[axis]])
+    off = np.abs(point[:, axis, None] - sides).min(axis=1)
+    on_side = (tag < 0) & (off <= _ROUNDING * np.abs(sides).max())
     out = np.zeros(point.shape)
     out[on_side, axis] = np.where(leaves[on_side], 1.0, -1.0)
     rest = ~on_side

@@ -51,6 +51,8 @@ class EndNormals:
             self._inputs.append(motion_data(join([o.table for o in operations]), device))
 
     def __call__(self, points: NDArray, tags: NDArray) -> NDArray:
+        if tags.max(initial=-1) >= len(self._row):
+            raise NumericalError(f"tag {tags.max()} is of no row of these operations: the stock is not of them")
         normals, of = np.empty(points.shape), self._solid[tags]
         for number, solid in enumerate(self._solids):
             normals[of == number] = solid.normals(points[of == number])

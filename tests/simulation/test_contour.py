@@ -285,6 +285,15 @@ def test_a_gap_thinner_than_the_pitch_is_filled_and_told_of():
     assert found.unseen == pytest.approx(3.6)
 
 
+def test_a_box_within_the_blank_is_found_whole():
+    """Its sides have normals of their own, whatever their coordinates are rounded to."""
+    for lower, upper in ((-0.1, 0.6), (0.3, 1.1), (-7.7, -7.0)):
+        box = DexelBox(HERE, np.full(3, lower), np.full(3, upper), 0.1)
+        found = surface(box, Ball([0.0, 0.0, 0.0], 50.0))
+        check(found, 2)
+        assert found.mesh.volume == pytest.approx((upper - lower) ** 3, rel=1e-12)
+
+
 def test_a_box_cuts_off_what_goes_on_beyond_it():
     solid = Ball([0.0, 0.0, 0.0], 4.0)
     box = DexelBox(HERE, np.array([0.0, -5.0, -5.0]), np.full(3, 5.0), 0.25)

@@ -11,7 +11,7 @@ from gearsim.motion.sources import CLMotion
 from gearsim.simulation.normals import EndNormals
 from gearsim.simulation.operation import operation
 from gearsim.simulation.workshop import Workshop
-from tests.cutters.shapes import every_shape
+from tests.cutters.shapes import every_shape, polygon
 from tests.simulation.test_removal import UP, random_path
 
 BLOCK = Block(np.zeros(3), np.array([30.0, 20.0, 10.0]))
@@ -158,6 +158,14 @@ def test_tags_of_turning_name_the_solid(device):
     assert np.allclose(normals(points, tags), [[0, -1, 0], [0, 0, 1], [0, 0, 1], [1, 0, 0]], atol=1e-14)
 
 
+def test_the_point_of_a_drill_leaves_a_normal_along_its_axis(device):
+    drill = move(polygon("drill", (0.0, 0.0), (2.0, 1.2), (2.0, 10.0), (0.0, 10.0)), (5.0, 5.0, 12.0), (5.0, 5.0, 4.0))
+    found = EndNormals(BLOCK, [drill], device)(np.array([[5.0, 5.0, 4.0], [6.0, 5.0, 4.6]]), np.array([0, 0]))
+    assert np.allclose(found, [[0.0, 0.0, 1.0], np.array([-1.2, 0.0, 2.0]) / np.hypot(1.2, 2.0)], atol=1e-12)
+
+
 def test_a_point_that_its_tool_never_touched_is_refused(device):
     with pytest.raises(NumericalError, match=r"1 of 2 points .* by up to 1e\+06 nm: the stock is not of these"):
         EndNormals(BLOCK, [GROOVE], device)(np.array([[9.0, 10.0, 6.0], [9.0, 10.0, 5.0]]), np.array([0, 0]))
+    with pytest.raises(NumericalError, match="tag 7 is of no row of these operations"):
+        EndNormals(BLOCK, [GROOVE], device)(np.zeros((1, 3)), np.array([7]))
