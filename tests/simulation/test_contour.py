@@ -243,7 +243,7 @@ def test_thin_walls_grow_no_spikes(rng):
         assert np.count_nonzero(solid.over(found.mesh.points).max(axis=1) > 0.05) <= 1
 
 
-@settings(max_examples=25, deadline=None)
+@settings(max_examples=15, deadline=None)
 @given(st.data())
 def test_a_slot_in_a_block_is_exact_wherever_nodes_and_faces_lie(data):
     """Faces of the blank and of the tool on nodes, between them, or anywhere: the volume is that of the closed form."""

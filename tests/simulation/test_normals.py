@@ -105,7 +105,7 @@ def test_normals_are_those_of_neighbouring_rays(name, rng, device):
 @pytest.mark.parametrize("name", SHAPES)
 def test_normals_agree_with_their_twin(name, rng, device):
     op = operation("path", SHAPES[name], [random_path(rng)], 1e-9)
-    rays = crossing_rays(op, rng, 200, device)
+    rays = crossing_rays(op, rng, 100, device)
     _, point, row = ends_of(Workshop(device).cut([(rays, [op])])[0], rays)
     gap, gradient = twin(op, point, row)
     found = EndNormals(BLOCK, [op], device)(point, row)
