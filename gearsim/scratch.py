@@ -19,8 +19,11 @@ def making(folder: Path) -> Iterator[None]:
     """Meanwhile no other process makes scratch in a folder; what killed ones have left there is gone.
 
     Nothing is seen between its making and its lock, if both happen in here. Where folders cannot be locked nothing is
-    cleared.
+    cleared. Scratch itself is its process's alone, and locked already.
     """
+    if folder.name.startswith(PREFIX):
+        yield
+        return
     try:
         lock = os.open(folder, os.O_RDONLY)
     except PermissionError:  # it may be written all the same

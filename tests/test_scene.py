@@ -338,10 +338,10 @@ def test_numbers_that_are_none_get_no_remark_on_their_unit():
 
 
 def test_a_misspelled_key_of_a_machine_that_the_scene_names_is_told():
-    with pytest.raises(InputError, match="machine.phoenix.mounting_mmx: unknown key; did you mean 'mounting_mm'"):
+    with pytest.raises(InputError, match=r"machine\.phoenix.mounting_mmx: unknown key; did you mean 'mounting_mm'"):
         load_scene("hypoid-pinion-phoenix", ["machine.phoenix.mounting_mmx=120.0"])
 
 
 def test_no_tool_is_ten_metres_long():
-    with pytest.raises(InputError, match="cutter.height_mm: got 25000"):
+    with pytest.raises(InputError, match=r"cutter\.height_mm: got 25000"):
         load_scene("spiral-bevel-flank", ["cutter.height_mm=25000.0"])

@@ -107,5 +107,8 @@ class Shifted:
     def signed_distance(self, points: NDArray) -> NDArray:
         return self.solid.signed_distance(points - self.by)
 
+    def normals(self, points: NDArray) -> NDArray:
+        return self.solid.normals(points - self.by)
+
     def chords(self, origins: NDArray, directions: NDArray) -> tuple[NDArray, NDArray, NDArray]:
         return self.solid.chords(origins - self.by, directions)

@@ -14,6 +14,7 @@ from gearsim.metrology.closest import signed_distance
 from gearsim.metrology.findings import Finding, stock_out_of_tolerance, through_material
 from gearsim.metrology.inspection import Machine, Reading, Steps
 from gearsim.metrology.samples import SampleGrid, sample_grid
+from gearsim.simulation.contour.surface import Contour
 from gearsim.simulation.dexels import DexelBox
 from gearsim.simulation.operation import Operation, turned_copies
 from gearsim.simulation.sequence import Machined, Machining, in_sequence
@@ -69,10 +70,11 @@ class SurfaceFigures(NamedTuple):
 
 @dataclass(frozen=True)
 class StockMeasurement:
-    """A whole blank machined: ``blank_volumes`` and the stock's own [mm³] by bundle, operations, surfaces."""
+    """A whole blank machined: its volumes [mm³] by bundle before, the stock and its surface after, and what was found."""
 
     variant: str
     stock: Stock
+    contour: Contour
     blank_volumes: tuple[float, float, float]
     exact_blank_volume: float
     operations: tuple[OperationFigures, ...]
@@ -120,7 +122,13 @@ class StockInspection:
             findings += list(_judged(found, self.intended.tolerance, job))
         findings += [] if self.told else list(self._rapids(machined, job))
         measured = StockMeasurement(
-            self.variant, machined.stock, machined.blank_volumes, self.blank.volume, figures, tuple(surfaces)
+            self.variant,
+            machined.stock,
+            machined.contour,
+            machined.blank_volumes,
+            self.blank.volume,
+            figures,
+            tuple(surfaces),
         )
         if self.intended is None:
             return Reading((measured,), tuple(findings))

@@ -16,15 +16,17 @@ from gearsim.metrology.stock_check import OperationFigures, StockInspection, Sto
 from gearsim.output.columns import YES_NO, Column
 from gearsim.output.markdown import table, um
 from gearsim.output.programs import duration
+from gearsim.output.solid_files import solid_surface, write_solid
 from gearsim.output.summary import number
 from gearsim.output.table import write_columns
 from gearsim.result import Result
 
 STOCK, OPERATIONS = "stock.parquet", "operations.parquet"
+SOLIDS = ("part.stl", "part.vtp", "part.3mf")
 
 
 def files(_: Job, asked: Sequence[StockInspection]) -> list[str]:
-    return [STOCK, OPERATIONS]
+    return [STOCK, OPERATIONS, *SOLIDS]
 
 
 def figures(m: StockMeasurement) -> dict[str, Any]:
@@ -36,6 +38,12 @@ def figures(m: StockMeasurement) -> dict[str, Any]:
         "bytes_a_ray": m.stock.nbytes / rays,
         "blank_mm3": {"exact": m.exact_blank_volume, "bundles": list(m.blank_volumes)},
         "left_mm3": list(m.stock.volumes),
+        "surface": {
+            "triangles": len(m.contour.mesh.triangles),
+            "volume_mm3": m.contour.mesh.volume,
+            "volume_bound_mm3": m.contour.bound,
+            "unseen_mm3": m.contour.unseen,
+        },
         "operations": [_operation(o) for o in m.operations],
         "surfaces": {
             s.surface: {
@@ -87,10 +95,12 @@ def _section(m: StockMeasurement) -> str:
     near = [
         [name, s["ends"], um(s["overcut_um"]), um(s["excess_um"])] for name, s in told["surfaces"].items() if s["ends"]
     ]
+    mesh = m.contour.mesh
     text = (
         f"## The whole part\n\nThe blank ({m.exact_blank_volume:.1f} mm³) by a tri-dexel of {told['rays']:,} rays, "
         f"{told['pitch_mm']:g} mm apart: {_three(m.blank_volumes)} mm³; left are {_three(m.stock.volumes)} mm³. The "
-        f"three bundles' spread tells the grid's error.\n\n" + table(head, rows)
+        f"three bundles' spread tells the grid's error. Its closed surface of {len(mesh.triangles):,} triangles holds "
+        f"{mesh.volume:.1f} mm³ (certain to {m.contour.bound:.0f}).\n\n" + table(head, rows)
     )
     if near:
         text += (
@@ -110,12 +120,14 @@ def screen(_: Result, found: Sequence[StockMeasurement], console: Console) -> No
 
 
 def data(result: Result, found: Sequence[StockMeasurement]) -> dict[str, Callable[[Path], None]]:
-    """What writes the stock, which can be continued from, and the table of all rows."""
-    from gearsim.simulation.stock_file import write_stock
+    """What writes the stock, which can be continued from, its surface, and the table of all rows."""
+    from gearsim.simulation.stock_file import save_stock
 
     (m,) = found
-    return {
-        STOCK: partial(write_stock, m.stock, job=result.name),
+    surface = solid_surface(m.contour.mesh, m.stock)
+    solids: dict[str, Callable[[Path], None]] = {name: partial(write_solid, surface) for name in SOLIDS}
+    return solids | {
+        STOCK: partial(save_stock, m.stock, job=result.name),
         OPERATIONS: partial(write_columns, [_rows(i, o) for i, o in enumerate(m.operations)], result),
     }
 

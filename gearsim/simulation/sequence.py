@@ -12,9 +12,11 @@ from gearsim.errors import InputError
 from gearsim.geometry.rigid import Rigid
 from gearsim.geometry.solid import Solid
 from gearsim.simulation.checkpoints import Checkpoints, Kept
+from gearsim.simulation.contour.surface import Contour, contour
 from gearsim.simulation.dexels import DexelBox
 from gearsim.simulation.in_order import cut_in_order
 from gearsim.simulation.intervals import subtract
+from gearsim.simulation.normals import EndNormals
 from gearsim.simulation.operation import Operation, Variant
 from gearsim.simulation.room import require_room
 from gearsim.simulation.stock import AXES, Stock, after, blank_stock, cut_stock, material_rays, without
@@ -40,9 +42,10 @@ class Machining:
 
 
 class Machined(NamedTuple):
-    """The ``stock`` that is left, the blank's volumes by bundle [mm³], and the work of each operation."""
+    """The ``stock`` that is left, its surface, the blank's volumes by bundle [mm³], and the work of each operation."""
 
     stock: Stock
+    contour: Contour
     blank_volumes: tuple[float, float, float]
     work: tuple[Work, ...]
 
@@ -104,7 +107,8 @@ def machine(asked: Machining, workshop: Workshop) -> Machined:
         kept = Kept(stock, look, [*kept.work, Work(operation, volume, stock.volumes, touch)])
         if keeper:
             keeper.keep(kept)
-    return Machined(kept.stock, blank.volumes, tuple(kept.work))
+    normals = EndNormals(asked.blank, asked.operations, workshop.device)
+    return Machined(kept.stock, contour(kept.stock, normals), blank.volumes, tuple(kept.work))
 
 
 def _looked_at(look: Stock, operation: Operation, workshop: Workshop) -> tuple[Stock, NDArray]:

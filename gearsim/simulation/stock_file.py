@@ -19,9 +19,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from gearsim.errors import InputError
+from gearsim.errors import InputError, written
 from gearsim.geometry.rigid import Rigid
-from gearsim.scratch import hold, making, scratch_beside
 from gearsim.simulation.dexels import DexelBox
 from gearsim.simulation.intervals import IntervalSet
 from gearsim.simulation.stock import AXES, BLANK, Done, Stock
@@ -36,25 +35,6 @@ def save_stock(stock: Stock, file: Path, job: str = "") -> None:
 
     Raises InputError where the folder cannot be written, or the disk is full.
     """
-    try:
-        with making(file.parent):
-            scratch = scratch_beside(file)
-            scratch.touch()
-            lock = hold(scratch)
-        try:
-            write_stock(stock, scratch, job)
-            with scratch.open("rb") as written:
-                os.fsync(written.fileno())
-            scratch.replace(file)
-        finally:
-            os.close(lock)
-            scratch.unlink(missing_ok=True)
-    except OSError as error:
-        raise InputError(f"stock file {file}: cannot be written: {error.strerror or error}") from error
-
-
-def write_stock(stock: Stock, file: Path, job: str = "") -> None:
-    """Write a stock into a folder that is made aside as a whole; raises OSError where it cannot be."""
     import pyarrow as pa
     import pyarrow.parquet as pq
 
@@ -71,12 +51,15 @@ def write_stock(stock: Stock, file: Path, job: str = "") -> None:
     }
     fields = [pa.field("bundle", pa.int8()), *(pa.field(k, pa.from_numpy_dtype(t)) for k, t in _COLUMNS.items())]
     schema = pa.schema(fields, metadata={_KEY: json.dumps(told)})
-    with pq.ParquetWriter(file, schema, compression="zstd") as writer:
-        for axis, left in zip(AXES, stock.left, strict=True):
-            columns = (left.ray, left.lo, left.hi, left.lo_segment, left.hi_segment)
-            arrays = [np.asarray(c, t) for c, t in zip(columns, _COLUMNS.values(), strict=True)]
-            table = pa.table([np.full(len(left.lo), axis, np.int8), *arrays], schema=schema)
-            writer.write_table(table, row_group_size=max(1, len(left.lo)))
+    with written(file, "stock") as scratch:
+        with pq.ParquetWriter(scratch, schema, compression="zstd") as writer:
+            for axis, left in zip(AXES, stock.left, strict=True):
+                columns = (left.ray, left.lo, left.hi, left.lo_segment, left.hi_segment)
+                arrays = [np.asarray(c, t) for c, t in zip(columns, _COLUMNS.values(), strict=True)]
+                table = pa.table([np.full(len(left.lo), axis, np.int8), *arrays], schema=schema)
+                writer.write_table(table, row_group_size=max(1, len(left.lo)))
+        with scratch.open("rb") as whole:
+            os.fsync(whole.fileno())
 
 
 def load_stock(file: Path) -> tuple[Stock, str]:
