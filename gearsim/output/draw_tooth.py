@@ -27,7 +27,7 @@ def draw_tooth(data: dict[str, NDArray], surfaces: dict[str, Any], canvas: Canva
     limit = float(data["tooth:limit_um"])
     names = [str(name) for name in data["tooth:names"]]
     slot = joined(surfaces[name] for name in names)
-    body, ends = _body(data, names)
+    body, ends = tooth_body(data, names)
     points = np.concatenate([points_of(shape) for shape in (slot, body, ends)])
     looks = []
     for view, shown, other in zip(canvas.views(2), (names[0], names[-1]), (names[-1], names[0]), strict=True):
@@ -50,7 +50,7 @@ def tooth_arrays(names: list[str], teeth: int, limit_um: float, span: str) -> di
     }  # fmt: skip
 
 
-def _body(data: dict[str, NDArray], names: list[str]) -> tuple[Any, Any]:
+def tooth_body(data: dict[str, NDArray], names: list[str]) -> tuple[Any, Any]:
     """The neighbouring slots, the lands between all and the seams of the slot in the middle; the ends of the teeth."""
     slot = np.concatenate(from_tip_to_tip([_coarse(data[f"patch:{name}:point"]) for name in names]))
     between = seams(from_tip_to_tip([machined(data, name) for name in names]))

@@ -1,4 +1,4 @@
-"""3D pictures and tooth.vtp, drawn in a process of their own; tooth.vtp, which needs no OpenGL, is written first.
+"""3D pictures, tooth.vtp and the interactive view, made in a process of their own; what needs no OpenGL comes first.
 
 All are made of named arrays: the process loads nothing that cuts or measures. VTK is loaded when something is drawn.
 """
@@ -15,12 +15,14 @@ from gearsim.output.canvas import Canvas
 from gearsim.output.draw import draw_blanks, draw_envelopes, draw_toolpaths, patch_meshes
 from gearsim.output.draw_swept import draw_swept
 from gearsim.output.draw_tooth import draw_tooth
-from gearsim.output.files import MESHES
+from gearsim.output.files import MESHES, VIEW
 from gearsim.output.gear.draw import draw_gear
 from gearsim.output.gouging.draw import draw_surfaces
 from gearsim.output.meshes import joined, write_vtp
+from gearsim.output.part_view import part_view
 from gearsim.output.wanted import Wanted
 
+FRAGMENT = "_view.html"  # aside, for report.html
 Arrays = dict[str, NDArray]
 
 
@@ -51,12 +53,14 @@ def solid_files(data: Arrays) -> list[str]:
 
 
 def draw_all(data: Arrays, folder: Path, wanted: Wanted, tell: Callable[[dict[str, str]], None]) -> None:
-    """Write tooth.vtp and draw every picture there are arrays for, as wanted; ``tell`` of captions before drawing."""
+    """Write tooth.vtp and the view, draw every picture there are arrays for, as wanted; ``tell`` of captions first."""
     surfaces = patch_meshes(data)
     if surfaces and wanted.file(MESHES):
         whole = joined(surfaces.values())
         whole.GetPointData().SetActiveScalars("deviation_um")
         write_vtp(whole, dict(data["stated"]), folder / MESHES)
+    if surfaces and wanted.file(VIEW):
+        (folder / FRAGMENT).write_text(part_view(data, surfaces), encoding="utf-8")
     pictures = [p for p in _drawable(data) if wanted.file(p.file)]
     tell({p.file: p.caption for p in pictures})
     canvas = Canvas() if pictures else None

@@ -16,6 +16,7 @@ LAST = "report.json"
 SAMPLES = "samples.parquet"
 MESHES = "tooth.vtp"
 CHECKPOINTS = ".stock-so-far"  # of a whole part, until its run is complete
+VIEW = "view"  # the interactive one, which stands in report.html
 
 
 @contextmanager

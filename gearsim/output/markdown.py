@@ -1,4 +1,4 @@
-"""Reports as Markdown and as one HTML file with the pictures inside."""
+"""Reports as Markdown and as one HTML file with the pictures and the interactive view inside."""
 
 from __future__ import annotations
 
@@ -8,8 +8,10 @@ from math import isnan
 from pathlib import Path
 from typing import Any
 
+from gearsim.output.interactive import viewer
 from gearsim.output.wanted import EVERYTHING, Wanted
 
+VIEW_MARK = "<!-- in report.html: a 3D view -->"
 _STYLE = """
 body{font:16px/1.5 system-ui,sans-serif;max-width:72rem;margin:2rem auto;padding:0 1rem;color:#1b1f24}
 table{border-collapse:collapse;margin:1rem 0;font-variant-numeric:tabular-nums;display:block;overflow-x:auto}
@@ -22,12 +24,15 @@ code{background:#f3f4f6;padding:.1rem .25rem;overflow-wrap:anywhere}
 """
 
 
-def write_report(text: str, title: str, folder: Path, wanted: Wanted = EVERYTHING) -> None:
-    """Write report.md and report.html, as wanted, into a folder that already holds the pictures."""
+def write_report(text: str, title: str, folder: Path, wanted: Wanted = EVERYTHING, view: str = "") -> None:
+    """Write report.md and report.html, as wanted, into a folder that already holds the pictures.
+
+    ``view`` is an interactive view's HTML, which report.html has where the text is marked.
+    """
     if wanted.file("report.md"):
         (folder / "report.md").write_text(text, encoding="utf-8")
     if wanted.file("report.html"):
-        (folder / "report.html").write_text(_html(text, folder, title), encoding="utf-8")
+        (folder / "report.html").write_text(_html(text, folder, title, view), encoding="utf-8")
 
 
 def verdict(report: dict[str, Any]) -> str:
@@ -106,8 +111,8 @@ def table(head: list[str], rows: list[list[Any]]) -> str:
     return "\n".join("| " + " | ".join(str(c) for c in row) + " |" for row in lines) + "\n"
 
 
-def _html(text: str, folder: Path, title: str) -> str:
-    """The Markdown as one HTML file with the pictures inside."""
+def _html(text: str, folder: Path, title: str, view: str) -> str:
+    """The Markdown as one HTML file with pictures and view inside."""
     from markdown_it import MarkdownIt
 
     body = MarkdownIt("commonmark").enable("table").render(text)
@@ -117,6 +122,8 @@ def _html(text: str, folder: Path, title: str) -> str:
         return f'src="data:image/png;base64,{data}"'
 
     body = re.sub(r'src="([\w.-]+\.png)"', inline, body)
+    if view:
+        body = body.replace(VIEW_MARK, view) + viewer()
     return (
         '<!doctype html><html lang="en"><head><meta charset="utf-8">'
         f'<meta name="viewport" content="width=device-width,initial-scale=1"><title>gearsim: {title}</title>'

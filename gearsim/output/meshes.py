@@ -92,6 +92,18 @@ def values_of(shape: Any, name: str) -> NDArray:
     return np.asarray(vtk_to_numpy(shape.GetPointData().GetArray(name)))
 
 
+def triangles_of(shape: Any) -> NDArray:
+    """A mesh's faces as triangles, point numbers, shape (m, 3)."""
+    from vtkmodules.util.numpy_support import vtk_to_numpy
+    from vtkmodules.vtkFiltersCore import vtkTriangleFilter
+
+    triangles = vtkTriangleFilter()
+    triangles.SetInputData(shape)
+    triangles.PassLinesOff()
+    triangles.PassVertsOff()
+    return np.asarray(vtk_to_numpy(run(triangles).GetPolys().GetConnectivityArray())).reshape(-1, 3)
+
+
 def run(made_by: Any) -> Any:
     """What a VTK filter makes."""
     made_by.Update()

@@ -92,9 +92,10 @@ def kinds(wanted: Wanted) -> tuple[str, ...]:
         return ()
     if not wanted.only:
         return KINDS
-    from gearsim.output.drawer import MESHES, PICTURES
+    from gearsim.output.drawer import PICTURES
+    from gearsim.output.files import MESHES, VIEW
 
-    solid = (MESHES, *(p.file for p in PICTURES))
+    solid = (MESHES, VIEW, *(p.file for p in PICTURES))
     needed = {"flat": wanted.may_want_charts(solid), "solid": any(map(wanted.file, solid))}
     return tuple(kind for kind in KINDS if needed[kind])
 

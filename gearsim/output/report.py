@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from gearsim.output.markdown import findings, not_drawn, pictures, provenance, verdict
+from gearsim.output.markdown import VIEW_MARK, findings, not_drawn, pictures, provenance, verdict
 from gearsim.output.presenters import SLOTS, collected
 from gearsim.result import Result
 
@@ -12,8 +12,13 @@ _HEADINGS = {"trust": "## Can the number be trusted?\n\n"}
 _FIRST = 2
 
 
-def report_text(result: Result, figures: dict[str, Any], captions: dict[str, str], files: list[str]) -> str:
-    """The report as Markdown; ``captions`` of the pictures that were drawn, ``files`` all that lies beside it."""
+def report_text(
+    result: Result, figures: dict[str, Any], captions: dict[str, str], files: list[str], view: bool = False
+) -> str:
+    """The report as Markdown; ``captions`` of the pictures that were drawn, ``files`` all that lies beside it.
+
+    ``view``: there is an interactive view; its place is marked.
+    """
     told: dict[str, list[str]] = {slot: [] for slot in SLOTS}
     for sections in collected(result, "sections"):
         for slot, text in sections.items():
@@ -23,7 +28,7 @@ def report_text(result: Result, figures: dict[str, Any], captions: dict[str, str
     if result.job.notes:
         told["notes"].append("## Notes\n\n" + "".join(f"- {note}\n" for note in result.job.notes))
     names = list(captions)
-    parts = [_head(result, figures), pictures({n: captions[n] for n in names[:_FIRST]})]
+    parts = [_head(result, figures), pictures({n: captions[n] for n in names[:_FIRST]}), f"\n{VIEW_MARK}\n" * view]
     parts += [_HEADINGS.get(slot, "") + "\n".join(t for t in told[slot] if t) for slot in SLOTS if any(told[slot])]
     parts += [pictures({n: captions[n] for n in names[_FIRST:]}), not_drawn(figures["not_drawn"])]
     return "\n".join(p for p in [*parts, provenance(figures, files)] if p)

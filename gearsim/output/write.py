@@ -11,9 +11,9 @@ from pathlib import Path
 from gearsim.errors import InputError
 from gearsim.metrology.job import Job
 from gearsim.output.columns import Column
-from gearsim.output.drawer import PICTURES
+from gearsim.output.drawer import FRAGMENT, PICTURES
 from gearsim.output.exr import stated, write_exr
-from gearsim.output.files import LAST, SAMPLES
+from gearsim.output.files import LAST, MESHES, SAMPLES, VIEW
 from gearsim.output.markdown import write_report
 from gearsim.output.painting import Painters
 from gearsim.output.presenters import collected, promised
@@ -37,21 +37,34 @@ def write_result(result: Result, stage: Path, painters: Painters | None = None) 
     painters.draw(result, stage)
     _write_data(result, stage, wanted)
     captions, missing = painters.finish()
+    view = _taken(stage / FRAGMENT)
     missing += _empty(result, stage, wanted)
+    if VIEW in wanted.only and not view:
+        missing.append(f"{VIEW}: nothing to show in it")
     if any(map(wanted.file, REPORTS)):
-        _write_reports(result, stage, wanted, captions, missing)
+        _write_reports(result, stage, wanted, captions, missing, view)
     return missing
+
+
+def _taken(file: Path) -> str:
+    """The text of a file that is then gone; nothing where there is none."""
+    text = file.read_text(encoding="utf-8") if file.exists() else ""
+    file.unlink(missing_ok=True)
+    return text
 
 
 def refuse_unknown(job: Job, wanted: Wanted) -> None:
     """Raises InputError for a name or pattern that is wanted and that no file of a job's run can bear."""
     if not wanted.only:
         return
-    names = [*REPORTS, *job.files, *_formats(promised(job), wanted)]
+    there = promised(job)
+    names = [*REPORTS, *job.files, *_formats(there, wanted)] + [VIEW] * (wanted.pictures and MESHES in there)
     unknown = [pattern for pattern in wanted.only if not any(fnmatchcase(name, pattern) for name in names)]
     if unknown:
         known = ", ".join(sorted(names))
         raise InputError(f"--only {', '.join(unknown)}: no file of this run has that name; there are {known}")
+    if VIEW in wanted.only and not wanted.file("report.html"):
+        raise InputError(f"--only {VIEW}: the view stands in report.html, which is not wanted; add report.html")
 
 
 def _formats(names: Sequence[str], wanted: Wanted) -> list[str]:
@@ -71,12 +84,13 @@ def _empty(result: Result, stage: Path, wanted: Wanted) -> list[str]:
 
 
 def _write_reports(
-    result: Result, stage: Path, wanted: Wanted, captions: dict[str, str], missing: list[str]
+    result: Result, stage: Path, wanted: Wanted, captions: dict[str, str], missing: list[str], view: str
 ) -> None:  # fmt: skip
     figures = summary(result)
     figures["not_drawn"] = missing
     names = _names(stage) + [LAST] * wanted.file(LAST)
-    write_report(report_text(result, figures, captions, names), result.name, stage, wanted)
+    text = report_text(result, figures, captions, names, bool(view))
+    write_report(text, result.name, stage, wanted, view)
     if wanted.file(LAST):
         write_json(figures, stage / LAST)
 

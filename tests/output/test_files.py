@@ -146,7 +146,7 @@ def test_machined_surfaces_open_in_vtk(folder, result):
 
 def test_html_is_one_file_with_its_pictures_inside(folder):
     html = (folder / "report.html").read_text()
-    assert html.count("data:image/png;base64,") == len(PICTURES)
+    assert html.count('<p><img src="data:image/png;base64,') == len(PICTURES)
     assert 'src="slot.png"' not in html
     assert "<table>" in html
     text = (folder / "report.md").read_text()

@@ -31,8 +31,21 @@ def test_names_and_patterns_choose_among_all_kinds_of_files(result, tmp_path):
 def test_a_report_holds_the_pictures_that_are_wanted_beside_it(result, tmp_path):
     assert written(result, tmp_path, Wanted(only=("report.html", "mean*.png"))) == {"report.html", "mean-profile.png"}
     html = (tmp_path / "report.html").read_text()
-    assert html.count("data:image/png;base64,") == 1
+    assert html.count('<p><img src="data:image/png;base64,') == 1
+    assert "gearsim-view" not in html
     assert "report.json" not in html
+
+
+def test_a_report_holds_the_view_that_is_wanted_alone(result, tmp_path):
+    assert written(result, tmp_path, Wanted(only=("report.html", "report.md", "view"))) == {"report.html", "report.md"}
+    html, text = (tmp_path / "report.html").read_text(), (tmp_path / "report.md").read_text()
+    assert html.count('<section class="gearsim-view">') == html.count("plotly.js v") == 1
+    assert '<p><img src="data' not in html
+    assert text.count("<!-- in report.html: a 3D view -->") == 1
+    with pytest.raises(InputError, match=r"--only view: the view stands in report.html, .*; add report.html"):
+        refuse_unknown(result.job, Wanted(only=("view", "report.json")))
+    refuse_unknown(result.job, Wanted(only=("view", "report.html")))
+    assert written(result, tmp_path, Wanted(only=("v*",))) == {"report.html", "report.md"}  # as they were
 
 
 def test_a_format_can_be_wanted_alone(result, tmp_path):
@@ -45,6 +58,7 @@ def test_a_format_can_be_wanted_alone(result, tmp_path):
         (Wanted(only=("report.json", "deviaton.png")), "deviaton.png"),
         (Wanted(only=("no*", "tooth.png")), r"no\*"),
         (Wanted(pictures=False, only=("tooth.png",)), "tooth.png"),
+        (Wanted(pictures=False, only=("report.html", "view")), "view"),
         (Wanted(only=("deviation.svg",)), "deviation.svg"),
         (Wanted(formats=("svg",), only=("tooth.svg",)), "tooth.svg"),
         (Wanted(only=("gear.png",)), "gear.png"),
@@ -96,6 +110,7 @@ def test_what_nothing_came_of_is_named(tmp_path):
         (Wanted(only=("report.json", "samples.parquet", "*.exr")), ()),
         (Wanted(only=("tooth.vtp",)), ("solid",)),
         (Wanted(only=("tooth.png",)), ("solid",)),
+        (Wanted(only=("report.html", "view")), ("solid",)),
         (Wanted(only=("deviation.png",)), ("flat",)),
         (Wanted(only=("*.svg",)), ()),
         (Wanted(formats=("svg",), only=("*.svg",)), ("flat",)),

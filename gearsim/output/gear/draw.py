@@ -15,7 +15,7 @@ from gearsim.output.meshes import joined, mesh, points_of, quads
 from gearsim.output.view import DEVIATION, STEEL, Look, add_colours, add_legend, add_name, aim, aim_alike
 
 _TURN = np.radians(2.0)
-_LIFT = 0.03  # mm out of the section's skin, so that the measured flanks are not drawn inside it
+LIFT = 0.03  # mm out of the section's skin, so that the measured flanks are not drawn inside it
 _ENDS = "#9aa1ab"
 _FACING = 0.25  # cosine of the angle between a named flank's normal and the way to the eye, at least
 _TOOL = "#d8b26e"
@@ -25,7 +25,7 @@ _LIGHT: dict[str, Any] = {"ambient": 0.35, "diffuse": 0.65}
 def draw_gear(data: dict[str, NDArray], surfaces: dict[str, Any], canvas: Canvas) -> None:
     """The whole gear with the tool in space 0; space 0 with its measured flanks, seen onto each of them."""
     whole, *spaces = canvas.views(3, size=(1650, 640))
-    skin, ends = _gear_body(data, "section")
+    skin, ends = gear_body(data, "section")
     tool = tool_skin(data["gear:profile"], data["gear:tip"], data["gear:axis"])
     add_mesh(whole, skin, STEEL, **_LIGHT)
     add_mesh(whole, ends, STEEL, **_LIGHT)
@@ -33,10 +33,10 @@ def draw_gear(data: dict[str, NDArray], surfaces: dict[str, Any], canvas: Canvas
     add_legend(whole, {"the gear": STEEL, "the tool": _TOOL})
     carried = "helix" if data["gear:twist"] else "axis"
     text = f"the section as cut, carried along the {carried}, and the tool"
-    aim(whole, np.concatenate([points_of(skin), points_of(tool)]), *_ways(data), text)
+    aim(whole, np.concatenate([points_of(skin), points_of(tool)]), *gear_ways(data), text)
     um = np.concatenate([data[f"patch:{name}:deviation_um"].ravel() for name in surfaces])
-    limit, span = _limit(data, um)
-    body = _gear_body(data, "space")
+    limit, span = gear_limit(data, um)
+    body = gear_body(data, "space")
     shown = np.concatenate([points_of(shape) for shape in body])
     looks = []
     for view, name in zip(spaces, surfaces, strict=True):
@@ -47,7 +47,7 @@ def draw_gear(data: dict[str, NDArray], surfaces: dict[str, Any], canvas: Canvas
     aim_alike(looks)
 
 
-def _limit(data: dict[str, NDArray], um: NDArray) -> tuple[float, str]:
+def gear_limit(data: dict[str, NDArray], um: NDArray) -> tuple[float, str]:
     """Where the colours end [um], and that in words: the tolerance, or where there is none the deviations' size."""
     tolerance = float(data["gear:tolerance_um"])
     largest = max(float(np.nanmax(np.abs(um), initial=0.0)), NOISE_UM)
@@ -66,7 +66,7 @@ def _add_space(
     add_mesh(view, skin, STEEL, **_LIGHT)
     add_mesh(view, ends, _ENDS, **_LIGHT)
     for name in surfaces:
-        points = data[f"patch:{name}:point"] + _LIFT * data[f"patch:{name}:normal"]
+        points = data[f"patch:{name}:point"] + LIFT * data[f"patch:{name}:normal"]
         lifted = quads(points, {"deviation_um": data[f"patch:{name}:deviation_um"]})
         add_map(view, lifted, "deviation_um", limit, ambient=0.55, diffuse=0.5)
         if _normal(data, name) @ way > _FACING * np.linalg.norm(way):
@@ -86,12 +86,12 @@ def _onto(data: dict[str, NDArray], flank: str) -> tuple[NDArray, tuple[float, f
     return open_side + 0.6 * _normal(data, flank) + np.array([0.0, 0.0, 0.6]), (0.0, 0.0, 1.0)
 
 
-def _ways(data: dict[str, NDArray]) -> tuple[NDArray, tuple[float, float, float]]:
+def gear_ways(data: dict[str, NDArray]) -> tuple[NDArray, tuple[float, float, float]]:
     """The way to an eye above and where space 0 opens, a little from the side; and up."""
     return np.array([0.62 * float(data["gear:sign"]), -0.35, 0.7]), (0.0, 0.0, 1.0)
 
 
-def _gear_body(data: dict[str, NDArray], name: str) -> tuple[Any, Any]:
+def gear_body(data: dict[str, NDArray], name: str) -> tuple[Any, Any]:
     """Strips of the section between the faces, turned along the helix: the skin and both faces."""
     points, lines = _numbered(data[f"{name}:edges"])
     levels, n = np.linspace(0.0, -float(data["gear:facewidth"]), _levels(data)), len(points)

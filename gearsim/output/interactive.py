@@ -1,0 +1,143 @@
+"""An interactive 3D view as a part of an HTML page: it turns, zooms, switches colours; no network, no server.
+
+plotly.js draws it (MIT licence, shipped in the plotly package), told by interactive_traces.js and interactive.js.
+A page holds as many views as it likes, each of ``interactive_view``, and ``viewer`` once behind them.
+"""
+
+from __future__ import annotations
+
+import base64
+import json
+from collections.abc import Sequence
+from html import escape
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from gearsim.output.colours import DARK, diverging
+from gearsim.output.shapes import Classes, Colouring, Shape, Values
+from gearsim.output.thinning import thinned
+
+MOST = 150_000  # triangles in a view: about 5 MB of a page, and what a phone still turns
+_STEPS = 33  # of a colour scale
+_VIRIDIS = ("#440154", "#3b528b", "#21918c", "#5ec962", "#fde725")
+_OF_CLASSES = (
+    "#4e79a7", "#f28e2b", "#59a14f", "#b07aa1", "#edc948", "#76b7b2", "#9c755f", "#ff9da7", "#e15759", "#8cb369",
+)  # fmt: skip
+_WITHOUT = "This view needs JavaScript; the still pictures of this report show the same."
+
+
+def interactive_view(
+    shapes: Sequence[Shape], title: str, notes: Sequence[str] = (), way: ArrayLike = (0.6, -0.6, 0.5),
+    up: ArrayLike = (0.0, 0.0, 1.0), most: int = MOST,
+) -> str:  # fmt: skip
+    """Shapes as HTML: buttons for their colourings, legend, a section plane; first seen against ``way``, ``up`` up.
+
+    Beyond ``most`` triangles they are thinned, and the view says how far. Raises ValueError where one colouring has two
+    scales or lists of classes.
+    """
+    shown, told = _thinned([s for s in shapes if len(s.triangles)], most)
+    scene = {
+        "shapes": [_shape(s) for s in shown],
+        "colourings": [_legend(name, colouring) for name, colouring in _colourings(shown).items()],
+        "missing": DARK, "way": _unit(way), "up": _unit(up),
+    }  # fmt: skip
+    data = json.dumps(scene).replace("<", "\\u003c")  # no text ends the element
+    said = "".join(f"<p>{escape(note)}</p>" for note in (*notes, told))
+    return (
+        f'<section class="gearsim-view"><h2>{escape(title)}</h2><noscript><p>{_WITHOUT}</p></noscript>'
+        '<div class="controls"></div><div class="scene"></div><div class="legend"></div>'
+        f'<div class="notes">{said}</div><script type="application/json">{data}</script></section>\n'
+    )
+
+
+def viewer() -> str:
+    """What makes the views of a page live, once a page, behind them: plotly.js, our scripts and style. 4.8 MB."""
+    from plotly.offline import get_plotlyjs
+
+    names = ("interactive.css", "interactive_traces.js", "interactive.js")
+    style, *scripts = (Path(__file__).with_name(name).read_text(encoding="utf-8") for name in names)
+    own = '(() => {\n"use strict";\n' + "\n".join(scripts) + "})();"
+    return f"<style>{style}</style><script>{get_plotlyjs()}</script><script>{own}</script>\n"
+
+
+def _thinned(shapes: Sequence[Shape], most: int) -> tuple[list[Shape], str]:
+    """Shapes with at most ``most`` triangles in all, each with its share, and that in words."""
+    total = sum(len(s.triangles) for s in shapes)
+    if total <= most:
+        return list(shapes), f"{total:,} triangles, coordinates rounded to single precision: to be looked at; {_DATA}."
+    done = [thinned(s, int(most * len(s.triangles) / total)) for s in shapes]
+    left, cell = sum(len(s.triangles) for s, _ in done), max(c for _, c in done)
+    return [s for s, _ in done], (
+        f"Thinned for display from {total:,} to {left:,} triangles: points within cells of {cell:.2g} mm are one, with "
+        f"the value farthest from 0 among theirs; {_DATA}."
+    )
+
+
+_DATA = "to be measured are the files beside it"
+
+
+def _colourings(shapes: Sequence[Shape]) -> dict[str, Colouring]:
+    """One colouring of each name; all of one name agree."""
+    found: dict[str, Colouring] = {}
+    for shape in shapes:
+        for name, colouring in shape.colours.items():
+            first = found.setdefault(name, colouring)
+            if _agreed(first) != _agreed(colouring):
+                raise ValueError(f"{shape.name}: its {name} has another scale than that of a shape before it")
+    return found
+
+
+def _agreed(colouring: Colouring) -> tuple[object, ...]:
+    return colouring.scale if isinstance(colouring, Values) else colouring.names
+
+
+def _legend(name: str, colouring: Colouring) -> dict[str, Any]:
+    if isinstance(colouring, Values):
+        return {"name": name, "low": colouring.low, "high": colouring.high, "unit": colouring.unit,
+                "scale": palette(colouring.palette)}  # fmt: skip
+    colours = class_colours(len(colouring.names))
+    return {"name": name, "classes": [list(pair) for pair in zip(colouring.names, colours, strict=True)]}
+
+
+def palette(name: str) -> list[str]:
+    """The colours of a palette from its low end to its high one, as #rrggbb."""
+    shares = np.linspace(-1.0, 1.0, _STEPS)
+    if name == "diverging":
+        return [_hex(c) for c in diverging(shares)]
+    anchors = np.array([[int(c[i : i + 2], 16) / 255.0 for i in (1, 3, 5)] for c in _VIRIDIS])
+    at = np.linspace(-1.0, 1.0, len(anchors))
+    return [_hex(c) for c in np.column_stack([np.interp(shares, at, anchors[:, k]) for k in range(3)])]
+
+
+def class_colours(count: int) -> list[str]:
+    """So many colours for classes, as #rrggbb; the list begins anew after ten."""
+    return [_OF_CLASSES[k % len(_OF_CLASSES)] for k in range(count)]
+
+
+def _hex(channels: NDArray) -> str:
+    return "#" + "".join(f"{round(255.0 * float(c)):02x}" for c in channels)
+
+
+def _shape(shape: Shape) -> dict[str, Any]:
+    colours = {
+        name: _packed(c.number, "u2") if isinstance(c, Classes) else _packed(c.value, "f4")
+        for name, c in shape.colours.items()
+    }
+    number = "u2" if len(shape.points) < 1 << 16 else "u4"
+    return {
+        "name": shape.name, "plain": shape.plain, "smooth": shape.smooth, "shown": shape.shown,
+        "points": _packed(shape.points, "f4"), "triangles": _packed(shape.triangles, number), "colours": colours,
+    }  # fmt: skip
+
+
+def _packed(array: NDArray, kind: str) -> dict[str, str]:
+    data = np.ascontiguousarray(array, dtype=f"<{kind}").tobytes()
+    return {"type": kind, "data": base64.b64encode(data).decode("ascii")}
+
+
+def _unit(vector: ArrayLike) -> list[float]:
+    v = np.asarray(vector, dtype=float)
+    return [float(x) for x in v / np.linalg.norm(v)]
