@@ -36,6 +36,7 @@ def parser(runs: Mapping[str, Callable[[argparse.Namespace], int]]) -> argparse.
     new.add_argument("name", help="the scene's name or file; NAME.toml is written")
     new.add_argument("--like", default="spiral-bevel-flank", help="built-in scene to copy (default: %(default)s)")
 
+    _add_view(commands)
     _add_gouge(commands)
     _add_verify(commands)
     _add_bench(commands)
@@ -71,6 +72,32 @@ def _add_run(commands: Any) -> None:
     run.add_argument("--figures", type=_formats, default=(), metavar="FORMATS",
                      help="draw charts as svg, pdf or svg,pdf beside PNG, for papers")  # fmt: skip
     run.add_argument("--dry-run", action="store_true", help="say what would be cut, how large, how long; cut nothing")
+
+
+_VIEW_HELP = """examples:
+  gearsim view runs/spiral-bevel-flank
+  gearsim view runs/spiral-bevel-flank/tooth.vtp
+
+in the window: drag turns, the wheel zooms, shift and drag moves, c goes on to the next colours (deviation within the
+tolerance, row of the program, surface, plain), r shows the whole part again, q closes. Black: nothing was measured.
+
+Without a screen, as on a server or in a container: open the run's report.html in any browser; it holds a 3D view.
+
+exit codes:
+  0  shown
+  2  no mesh, or no screen
+"""
+
+
+def _add_view(commands: Any) -> None:
+    view = commands.add_parser(
+        "view",
+        help="show a run's machined surfaces in a window, coloured by deviation",
+        description="Show the machined surfaces that a run has left, in a window that turns and zooms.",
+        epilog=_VIEW_HELP,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )
+    view.add_argument("run", type=Path, metavar="DIR", help="a run's folder, or a .vtp file")
 
 
 _GOUGE_HELP = """examples:

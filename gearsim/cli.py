@@ -111,6 +111,13 @@ def _new(options: argparse.Namespace) -> int:
     return 0
 
 
+def _view(options: argparse.Namespace) -> int:
+    from gearsim.output.window import open_window
+
+    open_window(options.run)
+    return 0
+
+
 def _gouge(options: argparse.Namespace) -> int:
     from gearsim.processes.gouge import gouge
 
@@ -129,7 +136,15 @@ def _bench(options: argparse.Namespace) -> int:
     return bench(options)
 
 
-_RUNS = {"run": _run, "scenes": _scenes, "new": _new, "gouge": _gouge, "verify": _verify, "bench": _bench}
+_RUNS = {
+    "run": _run,
+    "scenes": _scenes,
+    "new": _new,
+    "view": _view,
+    "gouge": _gouge,
+    "verify": _verify,
+    "bench": _bench,
+}
 
 
 if __name__ == "__main__":

@@ -20,6 +20,11 @@ _ANCHORS = (
     "#67001f",
 )  # fmt: skip
 
+_VIRIDIS = ("#440154", "#3b528b", "#21918c", "#5ec962", "#fde725")
+_OF_CLASSES = (
+    "#4e79a7", "#f28e2b", "#59a14f", "#b07aa1", "#edc948", "#76b7b2", "#9c755f", "#ff9da7", "#e15759", "#8cb369",
+)  # fmt: skip
+
 
 def rgb(colour: str) -> tuple[float, float, float]:
     """Red, green, blue from 0 to 1 of a colour written as #rrggbb."""
@@ -28,6 +33,22 @@ def rgb(colour: str) -> tuple[float, float, float]:
 
 def diverging(shares: NDArray) -> NDArray:
     """The colours of ``DIVERGING`` at shares of the limit from -1 to 1, shape (n, 3), without a drawing library."""
-    anchors = np.array([rgb(colour) for colour in _ANCHORS])
+    return _between(_ANCHORS, shares)
+
+
+def palette(name: str, steps: int = 33) -> list[str]:
+    """So many colours of a palette, ``diverging`` or ``sequential``, from its low end to its high one, as #rrggbb."""
+    shades = _between(_ANCHORS if name == "diverging" else _VIRIDIS, np.linspace(-1.0, 1.0, steps))
+    return ["#" + "".join(f"{round(255.0 * float(c)):02x}" for c in shade) for shade in shades]
+
+
+def class_colours(count: int) -> list[str]:
+    """So many colours for classes, as #rrggbb; they begin anew after ten."""
+    return [_OF_CLASSES[k % len(_OF_CLASSES)] for k in range(count)]
+
+
+def _between(colours: tuple[str, ...], shares: NDArray) -> NDArray:
+    """Colours (n, 3) at shares from -1 to 1 of the way along some at equal distances."""
+    anchors = np.array([rgb(colour) for colour in colours])
     at = np.linspace(-1.0, 1.0, len(anchors))
     return np.column_stack([np.interp(shares, at, anchors[:, k]) for k in range(3)])

@@ -16,16 +16,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from gearsim.output.colours import DARK, diverging
+from gearsim.output.colours import DARK, class_colours, palette
 from gearsim.output.shapes import Classes, Colouring, Shape, Values
 from gearsim.output.thinning import thinned
 
 MOST = 150_000  # triangles in a view: about 5 MB of a page, and what a phone still turns
-_STEPS = 33  # of a colour scale
-_VIRIDIS = ("#440154", "#3b528b", "#21918c", "#5ec962", "#fde725")
-_OF_CLASSES = (
-    "#4e79a7", "#f28e2b", "#59a14f", "#b07aa1", "#edc948", "#76b7b2", "#9c755f", "#ff9da7", "#e15759", "#8cb369",
-)  # fmt: skip
 _WITHOUT = "This view needs JavaScript; the still pictures of this report show the same."
 
 
@@ -100,25 +95,6 @@ def _legend(name: str, colouring: Colouring) -> dict[str, Any]:
                 "scale": palette(colouring.palette)}  # fmt: skip
     colours = class_colours(len(colouring.names))
     return {"name": name, "classes": [list(pair) for pair in zip(colouring.names, colours, strict=True)]}
-
-
-def palette(name: str) -> list[str]:
-    """The colours of a palette from its low end to its high one, as #rrggbb."""
-    shares = np.linspace(-1.0, 1.0, _STEPS)
-    if name == "diverging":
-        return [_hex(c) for c in diverging(shares)]
-    anchors = np.array([[int(c[i : i + 2], 16) / 255.0 for i in (1, 3, 5)] for c in _VIRIDIS])
-    at = np.linspace(-1.0, 1.0, len(anchors))
-    return [_hex(c) for c in np.column_stack([np.interp(shares, at, anchors[:, k]) for k in range(3)])]
-
-
-def class_colours(count: int) -> list[str]:
-    """So many colours for classes, as #rrggbb; the list begins anew after ten."""
-    return [_OF_CLASSES[k % len(_OF_CLASSES)] for k in range(count)]
-
-
-def _hex(channels: NDArray) -> str:
-    return "#" + "".join(f"{round(255.0 * float(c)):02x}" for c in channels)
 
 
 def _shape(shape: Shape) -> dict[str, Any]:

@@ -34,11 +34,10 @@ def part_view(data: dict[str, NDArray], surfaces: dict[str, Any]) -> str:
 
 
 def colour_limit(data: dict[str, NDArray], um: NDArray) -> tuple[float, str]:
-    """Where the colours of deviations ``um`` end, and that in words: the tolerance, or where there is none their size."""
+    """Where the colours of deviations ``um`` end, and that in words: a tolerance, or else their size."""
     if "tooth:limit_um" in data:
         return float(data["tooth:limit_um"]), str(data["tooth:span"])
-    tolerances = [float(value) for key, value in data.items() if key.endswith(":tolerance_um")]
-    return gear_limit({"gear:tolerance_um": np.array(max(tolerances, default=np.inf) or np.inf)}, um)
+    return gear_limit({"gear:tolerance_um": np.array(np.inf), **data}, um)
 
 
 def patch_shapes(surfaces: dict[str, Any], limit_um: float, lift: float = 0.0) -> list[Shape]:

@@ -6,7 +6,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from gearsim.output.interactive import MOST, class_colours, interactive_view, palette, viewer
+from gearsim.output.colours import class_colours, palette
+from gearsim.output.interactive import MOST, interactive_view, viewer
 from gearsim.output.shapes import Classes, Shape, Values
 from gearsim.output.thinning import thinned
 from gearsim.output.view import STEEL
