@@ -120,7 +120,7 @@ function live(root) {
     return { axis: state.axis, at: low + state.share * (high - low), side: state.side };
   }
 
-  // One thing after the other: plotly.js takes nothing new while it works.
+  // One thing after the other: told anew while it works, plotly.js mixes colours of both.
   function draw() {
     if (!due) {
       due = true;
@@ -134,9 +134,8 @@ function live(root) {
   }
 
   async function render() {
-    const named = (shape) => `s${shapes.indexOf(shape)}-c${legends.indexOf(state.legend)}`;
     const shown = shapes.filter((shape) => !state.hidden.has(shape));
-    const all = shown.flatMap((shape) => traces(shape, state.legend, plane(), fixed, named(shape)));
+    const all = shown.flatMap((shape) => traces(shape, state.legend, plane(), fixed));
     drawLegend(key, state.legend, data.missing);
     await Plotly.react(page, all, layout(), { displayModeBar: false, responsive: true });
   }

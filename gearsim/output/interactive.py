@@ -59,16 +59,27 @@ def viewer() -> str:
 
 
 def _thinned(shapes: Sequence[Shape], most: int) -> tuple[list[Shape], str]:
-    """Shapes with at most ``most`` triangles in all, each with its share, and that in words."""
+    """Shapes with at most ``most`` triangles in all, the small ones whole, and that in words."""
     total = sum(len(s.triangles) for s in shapes)
     if total <= most:
         return list(shapes), f"{total:,} triangles, coordinates rounded to single precision: to be looked at; {_DATA}."
-    done = [thinned(s, int(most * len(s.triangles) / total)) for s in shapes]
+    share = _share([len(s.triangles) for s in shapes], most)
+    done = [thinned(s, share) for s in shapes]
     left, cell = sum(len(s.triangles) for s, _ in done), max(c for _, c in done)
     return [s for s, _ in done], (
         f"Thinned for display from {total:,} to {left:,} triangles: points within cells of {cell:.2g} mm are one, with "
         f"the value farthest from 0 among theirs; {_DATA}."
     )
+
+
+def _share(sizes: list[int], most: int) -> int:
+    """The size that none may exceed for all together to be ``most`` at most."""
+    for left, size in enumerate(sorted(sizes)):
+        share = most // (len(sizes) - left)
+        if size > share:
+            return share
+        most -= size
+    return max(sizes)
 
 
 _DATA = "to be measured are the files beside it"

@@ -50,15 +50,15 @@ const every = (array, first, step) => {
   return out;
 };
 
-// A mesh's parts, each in one way of colouring, as [name, mesh, how, text to read at the pointer].
+// A mesh's parts, each in one way of colouring, as [mesh, how, text to read at the pointer].
 function parts(mesh, legend, { plain, missing }) {
   const of = (triangles) => ({ ...mesh, triangles });
   if (mesh.classes)
     return [...parted(mesh.triangles, (t) => mesh.classes[t / 3])].map(([number, triangles]) => {
       const [text, color] = legend.classes[number];
-      return [`class${number}`, of(triangles), { color }, `${text}<br>`];
+      return [of(triangles), { color }, `${text}<br>`];
     });
-  if (!mesh.values) return [["plain", mesh, { color: plain }, ""]];
+  if (!mesh.values) return [[mesh, { color: plain }, ""]];
   const { low, high, scale } = legend, value = (i) => mesh.values[i];
   const kind = (t) => {
     const at = [0, 1, 2].map((k) => value(mesh.triangles[t + k]));
@@ -80,23 +80,34 @@ function parts(mesh, legend, { plain, missing }) {
     }
   }
   const read = `%{customdata:.3~f} ${legend.unit}<br>`;
-  return found.map(([name, part], k) => [name + k, part, ways[name], name === "missing" ? "no value<br>" : read]);
+  return found.map(([name, part]) => [part, ways[name], name === "missing" ? "no value<br>" : read]);
 }
 
-// plotly.js draws a missing value as 0, blurs the colours where values run past the scale's ends, and keeps the
-// values of a trace that is to have one colour from now on: each of a mesh's parts is a trace of its own.
-function traces(shape, legend, plane, { missing, light }, name) {
+// A mesh whose triangles share no points, so that each is shaded by itself: plotly.js's own way draws them unlit.
+function faceted(mesh) {
+  const points = [], values = mesh.values && [];
+  for (const i of mesh.triangles) {
+    points.push(mesh.points[3 * i], mesh.points[3 * i + 1], mesh.points[3 * i + 2]);
+    if (values) values.push(mesh.values[i]);
+  }
+  return { points, triangles: Uint32Array.from(mesh.triangles, (_, k) => k), values };
+}
+
+// plotly.js draws a missing value as 0, and blurs the colours where values run past the scale's ends: each of a mesh's
+// parts is a trace of its own.
+function traces(shape, legend, plane, { missing, light }) {
   const found = (legend && shape.colours[legend.name]) || null;
   const [values, classes] = [legend && legend.scale ? found : null, legend && legend.classes ? found : null];
   const whole = { points: shape.points, triangles: shape.triangles, values, classes };
   const left = plane ? below(whole, (i) => plane.side * (whole.points[3 * i + plane.axis] - plane.at)) : whole;
-  return parts(left, legend, { plain: shape.plain, missing }).map(([part, mesh, how, text]) => {
+  return parts(left, legend, { plain: shape.plain, missing }).map(([part, how, text]) => {
+    const mesh = shape.smooth ? part : faceted(part);
     const corners = {};
     AXES.forEach((axis, k) => (corners[axis] = every(mesh.points, k, 3)));
     "ijk".split("").forEach((corner, k) => (corners[corner] = every(mesh.triangles, k, 3)));
     return {
-      type: "mesh3d", uid: `${name}-${part}`, ...corners, ...how, lighting: LIGHT, lightposition: light,
-      flatshading: !shape.smooth, showscale: false, name: shape.name, customdata: mesh.values,
+      type: "mesh3d", ...corners, ...how, lighting: LIGHT, lightposition: light,
+      flatshading: false, showscale: false, name: shape.name, customdata: mesh.values,
       ...(how.colorscale && { intensity: mesh.values }),
       hovertemplate: `${shape.name}<br>${text}%{x:.3f}, %{y:.3f}, %{z:.3f} mm<extra></extra>`,
     };
