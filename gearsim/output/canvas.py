@@ -6,11 +6,13 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
-from gearsim.output.colours import DARK, diverging, rgb
+from gearsim.output.colours import DARK, rgb, shades
 from gearsim.output.png import write_png
 
 _SIZE = (1300, 780)
+_SHADES = 256  # of a palette
 _SAMPLES = 4  # a pixel: edges look smooth, and a processor has less to draw than for the usual 8
 _BEFORE = 400.0  # steps of depth: lines on a surface are drawn before it, from either side
 _SHARP = 30.0  # deg between neighbours that meet in an edge
@@ -46,6 +48,10 @@ class Canvas:
 
     def save(self, file: Path) -> None:
         """Draw the page and write it. Raises OSError where nothing was written."""
+        write_png(self.pixels(), file)
+
+    def pixels(self) -> NDArray:
+        """Draw the page: its red, green, blue from 0 to 255, shape (height, width, 3)."""
         from vtkmodules.util.numpy_support import vtk_to_numpy
         from vtkmodules.vtkRenderingCore import vtkWindowToImageFilter
 
@@ -59,7 +65,7 @@ class Canvas:
         picture = pixels.GetOutput()
         width, height, _ = picture.GetDimensions()
         rows = vtk_to_numpy(picture.GetPointData().GetScalars()).reshape(height, width, 3)
-        write_png(rows[::-1], file)
+        return np.asarray(rows[::-1])
 
 
 def add_mesh(
@@ -84,25 +90,35 @@ def add_mesh(
 
 def add_map(
     view: Any, shape: Any, values: str, limit: float, *, missing: str = DARK, ambient: float = 0.35,
-    diffuse: float = 0.65, smooth: bool = False,
+    diffuse: float = 0.65, smooth: bool = False, low: float | None = None, palette: str = "diverging",
 ) -> None:  # fmt: skip
-    """Add a mesh coloured by values at its points from -``limit`` to ``limit``, those that are nan in one colour."""
+    """Add a mesh coloured by values at its points from -``limit`` (or ``low``) to ``limit``, nan in one colour."""
+    actor = _actor(with_normals(shape, False) if smooth else shape, ambient, diffuse)
+    colour_by(actor.GetMapper(), values, colour_table(palette, -limit if low is None else low, limit, missing))
+    view.AddActor(actor)
+
+
+def colour_table(name: str, low: float, high: float, missing: str = DARK) -> Any:
+    """A palette's colours from ``low`` to ``high``, of nan the colour ``missing``, as VTK looks them up."""
     from vtkmodules.vtkCommonCore import vtkLookupTable
 
     table = vtkLookupTable()
-    table.SetNumberOfTableValues(256)
-    for k, shade in enumerate(diverging(np.linspace(-1.0, 1.0, 256))):
-        table.SetTableValue(k, (*map(float, shade), 1.0))
-    table.SetTableRange(-limit, limit)
+    table.SetNumberOfTableValues(_SHADES)
+    for k, shade in enumerate(shades(name, _SHADES)):
+        table.SetTableValue(k, *rgb(shade), 1.0)
+    table.SetTableRange(low, high)
     table.SetNanColor(*rgb(missing), 1.0)
-    actor = _actor(with_normals(shape, False) if smooth else shape, ambient, diffuse)
-    mapper = actor.GetMapper()
+    return table
+
+
+def colour_by(mapper: Any, values: str, table: Any) -> None:
+    """Let a mapper colour its mesh by values at its points."""
+    mapper.SetScalarVisibility(True)
     mapper.SetLookupTable(table)
-    mapper.SetScalarRange(-limit, limit)
+    mapper.SetScalarRange(*table.GetTableRange())
     mapper.SetScalarModeToUsePointFieldData()
     mapper.SelectColorArray(values)
     mapper.InterpolateScalarsBeforeMappingOn()
-    view.AddActor(actor)
 
 
 def _actor(shape: Any, ambient: float, diffuse: float) -> Any:

@@ -36,10 +36,10 @@ def diverging(shares: NDArray) -> NDArray:
     return _between(_ANCHORS, shares)
 
 
-def palette(name: str, steps: int = 33) -> list[str]:
+def shades(name: str, steps: int = 33) -> list[str]:
     """So many colours of a palette, ``diverging`` or ``sequential``, from its low end to its high one, as #rrggbb."""
-    shades = _between(_ANCHORS if name == "diverging" else _VIRIDIS, np.linspace(-1.0, 1.0, steps))
-    return ["#" + "".join(f"{round(255.0 * float(c)):02x}" for c in shade) for shade in shades]
+    colours = _between(_ANCHORS if name == "diverging" else _VIRIDIS, np.linspace(-1.0, 1.0, steps))
+    return ["#" + "".join(f"{round(255.0 * float(c)):02x}" for c in shade) for shade in colours]
 
 
 def class_colours(count: int) -> list[str]:

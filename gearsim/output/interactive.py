@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from gearsim.output.colours import DARK, class_colours, palette
+from gearsim.output.colours import DARK, class_colours, shades
 from gearsim.output.shapes import Classes, Colouring, Shape, Values
 from gearsim.output.thinning import thinned
 
@@ -103,7 +103,7 @@ def _agreed(colouring: Colouring) -> tuple[object, ...]:
 def _legend(name: str, colouring: Colouring) -> dict[str, Any]:
     if isinstance(colouring, Values):
         return {"name": name, "low": colouring.low, "high": colouring.high, "unit": colouring.unit,
-                "scale": palette(colouring.palette)}  # fmt: skip
+                "scale": shades(colouring.palette)}  # fmt: skip
     colours = class_colours(len(colouring.names))
     return {"name": name, "classes": [list(pair) for pair in zip(colouring.names, colours, strict=True)]}
 

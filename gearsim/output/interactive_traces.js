@@ -106,8 +106,8 @@ function traces(shape, legend, plane, { missing, light }) {
     AXES.forEach((axis, k) => (corners[axis] = every(mesh.points, k, 3)));
     "ijk".split("").forEach((corner, k) => (corners[corner] = every(mesh.triangles, k, 3)));
     return {
-      type: "mesh3d", ...corners, ...how, lighting: LIGHT, lightposition: light,
-      flatshading: false, showscale: false, name: shape.name, customdata: mesh.values,
+      type: "mesh3d", ...corners, ...how, lighting: LIGHT, lightposition: light, showscale: false,
+      name: shape.name, customdata: mesh.values,
       ...(how.colorscale && { intensity: mesh.values }),
       hovertemplate: `${shape.name}<br>${text}%{x:.3f}, %{y:.3f}, %{z:.3f} mm<extra></extra>`,
     };

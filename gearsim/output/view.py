@@ -19,7 +19,7 @@ from gearsim.output.rounding import round_below
 STEEL = "#b8bec6"
 DEVIATION = "deviation [um], + material left"
 _ROOM = 1.12  # about what is seen
-_FOOT = 0.16  # of the view's height, for legend, scales and bars
+FOOT = 0.16  # of the view's height, for legend, scales and bars
 _HEAD = 0.08  # of the view's height, for the text
 _SCALE = 0.3  # of the view's width, at most
 _LEFT, _BASE, _LINE = 0.42, 0.02, 0.038  # of legends and scales
@@ -38,11 +38,11 @@ class Look(NamedTuple):
     way: ArrayLike
     up: ArrayLike
     text: str
-    foot: float = _FOOT
+    foot: float = FOOT
 
 
 def aim(
-    view: Any, points: NDArray, way: ArrayLike, up: ArrayLike, text: str, foot: float = _FOOT
+    view: Any, points: NDArray, way: ArrayLike, up: ArrayLike, text: str, foot: float = FOOT
 ) -> None:  # fmt: skip
     """Look at points so that all are in the view; arguments as of Look."""
     aim_alike([Look(view, points, way, up, text, foot)])
@@ -95,7 +95,7 @@ def add_legend(view: Any, entries: Mapping[str, str]) -> float:
     _add_boxes(view, boxes, np.array([rgb(colour) for colour in entries.values()]))
     for height, text in zip(heights, entries, strict=True):
         _add_text(view, _LEFT + 0.035, height, text)
-    return max(_FOOT, _BASE + _LINE * (len(entries) + 0.5))
+    return max(FOOT, _BASE + _LINE * (len(entries) + 0.5))
 
 
 def add_colours(view: Any, limit: float, title: str) -> None:

@@ -10,14 +10,13 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from gearsim.errors import InputError, is_file, is_folder, read_input
-from gearsim.output.canvas import with_normals
-from gearsim.output.colours import DARK, palette, rgb
+from gearsim.output.canvas import colour_by, colour_table, with_normals
+from gearsim.output.colours import DARK, rgb
 from gearsim.output.files import LAST, MESHES
 from gearsim.output.meshes import run, values_of
 from gearsim.output.view import DEVIATION, STEEL
 
 _SIZE = (1200, 800)
-_SHADES = 256
 _WITHOUT_SCREEN = ("vtkEGLRenderWindow", "vtkOSOpenGLRenderWindow")  # what VTK makes where it finds no screen
 _HELP = "drag: turn   wheel: zoom   shift and drag: move   c: next colours   r: whole part   q: close"
 _LIGHT = {"SetAmbient": 0.45, "SetDiffuse": 0.6}
@@ -107,8 +106,6 @@ def fill(window: Any, shape: Any, ramps: list[Ramp], title: str) -> None:
 
     view, mapper, actor, bar = vtkRenderer(), vtkPolyDataMapper(), vtkActor(), vtkScalarBarActor()
     mapper.SetInputData(with_normals(shape, False))
-    mapper.SetScalarModeToUsePointFieldData()
-    mapper.InterpolateScalarsBeforeMappingOn()
     actor.SetMapper(mapper)
     actor.GetProperty().SetColor(*rgb(STEEL))
     for name, value in _LIGHT.items():
@@ -140,19 +137,10 @@ def _colour(mapper: Any, bar: Any, ramp: Ramp | None) -> None:
     mapper.SetScalarVisibility(ramp is not None)
     if ramp is None:
         return
-    from vtkmodules.vtkCommonCore import vtkLookupTable
-
-    shades, table = palette(ramp.palette, _SHADES), vtkLookupTable()
-    table.SetNumberOfTableValues(len(shades))
-    for k, shade in enumerate(shades):
-        table.SetTableValue(k, *rgb(shade), 1.0)
-    table.SetTableRange(ramp.low, ramp.high)
-    table.SetNanColor(*rgb(DARK), 1.0)
+    table = colour_table(ramp.palette, ramp.low, ramp.high)
     table.SetBelowRangeColor(*rgb(DARK), 1.0)  # as a segment of -1: none
     table.SetUseBelowRangeColor(ramp.palette == "sequential")
-    mapper.SetLookupTable(table)
-    mapper.SetScalarRange(ramp.low, ramp.high)
-    mapper.SelectColorArray(ramp.values)
+    colour_by(mapper, ramp.values, table)
     bar.SetLookupTable(table)
     bar.SetTitle(f"{ramp.title}\n")
 

@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from gearsim.output.colours import class_colours, palette
+from gearsim.output.colours import class_colours, shades
 from gearsim.output.interactive import MOST, interactive_view, viewer
 from gearsim.output.shapes import Classes, Shape, Values
 from gearsim.output.thinning import thinned
@@ -60,7 +60,7 @@ def test_a_view_holds_its_shapes_and_no_text_breaks_out_of_it():
     assert np.array_equal(unpacked(first["triangles"]), BOTH.ravel())
     assert np.isnan(unpacked(told["shapes"][1]["colours"]["deviation"])).all()
     assert [c["name"] for c in told["colourings"]] == ["deviation", "operation"]
-    assert told["colourings"][0]["scale"] == palette("diverging")
+    assert told["colourings"][0]["scale"] == shades("diverging")
     assert [name for name, _ in told["colourings"][1]["classes"]] == list(OPERATIONS)
 
 
@@ -140,7 +140,7 @@ def test_chromium_shows_colours_classes_and_a_section(tmp_path):
     picture, said = opened(page(tmp_path, whole, SECOND_BY_OPERATION), (700, 1500))
     assert said == []
     upper, lower = picture[:750], picture[750:]
-    scale = palette("diverging")
+    scale = shades("diverging")
     in_first = {colour: share_in_hue(upper, colour) for colour in (scale[0], scale[-1], STEEL)}
     assert all(share > 0.01 for share in in_first.values()), in_first
     missing = (upper.max(axis=-1) < 0.05).mean()
@@ -156,7 +156,7 @@ def test_chromium_shows_colours_classes_and_a_section(tmp_path):
 def test_chromium_shows_the_tooth_of_a_run(folder, tmp_path):
     picture, said = opened(page(tmp_path, (folder / "report.html").read_text()), (500, 900))
     assert said == []
-    assert share_in_hue(picture, palette("diverging")[-1]) > 0.01  # stock left on the bottom land
+    assert share_in_hue(picture, shades("diverging")[-1]) > 0.01  # stock left on the bottom land
     assert share_in_hue(picture, STEEL) > 0.02
     assert (folder / "report.html").stat().st_size < 15e6
 
