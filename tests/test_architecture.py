@@ -16,7 +16,7 @@ ORDER = [
     "arguments", "cli",
 ]  # fmt: skip
 LAUNCHERS = {"kernels", "envelope", "simulation", "gouging", "verify", "bench"}
-HEAVY = {"warp", "vtkmodules", "OpenEXR", "pyarrow", "matplotlib"}
+HEAVY = {"warp", "vtkmodules", "OpenEXR", "pyarrow", "matplotlib", "plotly", "PIL"}
 
 
 def modules():
