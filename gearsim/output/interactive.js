@@ -1,7 +1,7 @@
 // The views of a page: their controls around plotly.js. Nothing is fetched. interactive_traces.js stands before it.
 
 const ARRAYS = { f4: Float32Array, u2: Uint16Array, u4: Uint32Array };
-const LAMP = 1e4; // how far it is
+const LAMP = 1e4; // how far off the light is, in plotly's own lengths
 const SIZE = 1.6; // of what is shown, across, in plotly's own lengths
 const FIELD = Math.PI / 8; // half of plotly's angle of view
 const LOOKED_AT = 2000; // points of a shape, to find how far the eye is to be

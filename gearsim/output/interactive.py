@@ -30,9 +30,11 @@ def interactive_view(
 ) -> str:  # fmt: skip
     """Shapes as HTML: buttons for their colourings, legend, a section plane; first seen against ``way``, ``up`` up.
 
-    Beyond ``most`` triangles they are thinned, and the view says how far. Raises ValueError where one colouring has two
-    scales or lists of classes.
+    Beyond ``most`` triangles they are thinned, and the view says how far. Raises ValueError where there is no triangle,
+    and where one colouring has two scales or lists of classes.
     """
+    if not any(len(s.triangles) for s in shapes):
+        raise ValueError(f"{title}: a view has at least one triangle")
     shown, told = _thinned([s for s in shapes if len(s.triangles)], most)
     scene = {
         "shapes": [_shape(s) for s in shown],

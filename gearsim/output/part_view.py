@@ -22,7 +22,13 @@ _SIGN = "Deviation along the outward normal of the intended surface: positive is
 
 
 def part_view(data: dict[str, NDArray], surfaces: dict[str, Any]) -> str:
-    """The arrays of the 3D pictures, and the machined patches made of them, as an interactive view in HTML."""
+    """The arrays of the 3D pictures, and the machined patches made of them, as an interactive view in HTML.
+
+    Nothing where no patch has a face.
+    """
+    surfaces = {name: mesh for name, mesh in surfaces.items() if mesh.GetNumberOfPolys()}
+    if not surfaces:
+        return ""
     um = np.concatenate([values_of(mesh, "deviation_um") for mesh in surfaces.values()])
     limit, span = colour_limit(data, um)
     lift = LIFT if "section:edges" in data else 0.0

@@ -8,6 +8,8 @@ import pytest
 
 from gearsim.output.colours import class_colours, shades
 from gearsim.output.interactive import MOST, interactive_view, viewer
+from gearsim.output.meshes import quads
+from gearsim.output.part_view import part_view
 from gearsim.output.shapes import Classes, Shape, Values
 from gearsim.output.thinning import thinned
 from gearsim.output.view import STEEL
@@ -62,6 +64,13 @@ def test_a_view_holds_its_shapes_and_no_text_breaks_out_of_it():
     assert [c["name"] for c in told["colourings"]] == ["deviation", "operation"]
     assert told["colourings"][0]["scale"] == shades("diverging")
     assert [name for name, _ in told["colourings"][1]["classes"]] == list(OPERATIONS)
+
+
+def test_a_view_of_nothing_is_refused_and_no_part_view_is_made_of_it():
+    with pytest.raises(ValueError, match="a view has at least one triangle"):
+        interactive_view([], "title")
+    hole = quads(np.full((2, 2, 3), np.nan), {"deviation_um": np.zeros((2, 2))})
+    assert part_view({}, {"left": hole}) == ""
 
 
 def test_one_colouring_has_one_scale():
