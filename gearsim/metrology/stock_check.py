@@ -70,7 +70,7 @@ class SurfaceFigures(NamedTuple):
 
 @dataclass(frozen=True)
 class StockMeasurement:
-    """A whole blank machined: its volumes [mm³] by bundle before, the stock and its surface after, and what was found."""
+    """A whole blank machined: its volumes [mm³] by bundle before, the stock and its surface after, what was found."""
 
     variant: str
     stock: Stock

@@ -135,7 +135,7 @@ def test_files_that_are_no_stock_are_told(cut, tmp_path):
 
 
 def test_a_folder_that_cannot_be_written_is_told(cut, tmp_path):
-    with pytest.raises(InputError, match="cannot be written"):
+    with pytest.raises(InputError, match="cannot write stock"):
         save_stock(cut, tmp_path / "none" / "stock.parquet")
 
 
