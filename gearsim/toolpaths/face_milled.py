@@ -17,6 +17,7 @@ from gearsim.surfaces.lengthwise import lengthwise_curve, profile_points
 from gearsim.surfaces.patch import SIDES
 from gearsim.surfaces.ruled_bevel import Spine
 from gearsim.surfaces.slot_patch import GeneratedPatch
+from gearsim.toolpaths.lengthwise_line import LengthwiseLine
 from gearsim.toolpaths.tangent import check_mouth, cl_points, tangent_pose
 
 _STATIONS = 65
@@ -30,13 +31,20 @@ class GeneratedFlankPath:
     curve's point. The profile there has no straight line; its tangent at the contact path, which lies at mid working
     depth (4.23), takes the rule's place. The cutter's flank begins ``start_height`` [mm] over the root, measured along
     that tangent: the height at which the blade's edge radius ends (4.27). ``run`` [mm] is how far the path goes on
-    beyond toe and heel. The parameter is the cone distance [mm] of the lengthwise curve's point.
+    beyond toe and heel, ``allowance`` [mm] what is left on the flank. The parameter is the cone distance [mm] of the
+    lengthwise curve's point.
     """
 
     patch: GeneratedPatch
     cutter: Profile
     start_height: float
     run: float
+    allowance: float = 0.0
+
+    @property
+    def line(self) -> LengthwiseLine:
+        """The slot's lengthwise curve as far as the path goes."""
+        return LengthwiseLine(self.patch.blank, self.spine, lambda cone: cone, self.run)
 
     @property
     def motion(self) -> CurveMotion:
@@ -69,6 +77,7 @@ class GeneratedFlankPath:
         rise = series.dot(rule, spine.z)
         sense = np.sign(rise.value)
         distance = (height - self.start_height) / (rise * sense)
+        contact = contact + normal * self.allowance
         return tangent_pose(self.cutter, contact, rule * sense[:, None], -normal, distance)
 
     def spine(self, cone: NDArray, order: int) -> Spine:

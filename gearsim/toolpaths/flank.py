@@ -14,6 +14,7 @@ from gearsim.geometry.pose import PoseSeries
 from gearsim.motion.sources import CLMotion, CurveMotion
 from gearsim.surfaces.patch import Side
 from gearsim.surfaces.ruled_bevel import RuledBevelTooth
+from gearsim.toolpaths.lengthwise_line import LengthwiseLine
 from gearsim.toolpaths.tangent import check_mouth, cl_points, tangent_pose
 
 _STATIONS = 65
@@ -25,13 +26,20 @@ class FlankPath:
 
     At each lengthwise parameter the cutter's straight flank touches the tooth at the contact path, with
     its axis in the plane of the surface normal and the profile's straight line, and the cutter's flank
-    begins where the tooth's does. ``run`` [mm] is how far the path goes on beyond toe and heel.
+    begins where the tooth's does. ``run`` [mm] is how far the path goes on beyond toe and heel. ``allowance`` [mm] is
+    left on the flank: the cutter stands that much off it along the normal.
     """
 
     tooth: RuledBevelTooth
     side: Side
     cutter: Profile
     run: float
+    allowance: float = 0.0
+
+    @property
+    def line(self) -> LengthwiseLine:
+        """The slot's lengthwise curve as far as the path goes."""
+        return LengthwiseLine(self.tooth.blank, self.tooth.spine, self.tooth.phi_at, self.run)
 
     def contact_height(self, cone: NDArray | float) -> NDArray:
         """Profile height h [mm] of the contact path: mid working depth (Zhou 4.23)."""
@@ -60,6 +68,7 @@ class FlankPath:
         into_gear = series.unit(series.cross(along, rule)) * -tooth.flank(self.side).orientation
         contact = origin + spine.y * y.column + spine.z * h.column
         distance = (h - tooth.fillet_height) * (1.0 / cos(tooth.pressure_angle))
+        contact = contact - into_gear * self.allowance
         return tangent_pose(self.cutter, contact, series.unit(rule), into_gear, distance)
 
     def cl_motion(self, points: int) -> CLMotion:

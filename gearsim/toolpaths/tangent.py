@@ -12,6 +12,7 @@ from gearsim.errors import InputError
 from gearsim.geometry.pose import PoseSeries
 from gearsim.geometry.series import Series
 from gearsim.motion.sources import CLMotion, CurveMotion
+from gearsim.toolpaths.lengthwise_line import LengthwiseLine
 
 _MOST_POINTS = 100_000
 
@@ -26,6 +27,11 @@ class FlankPass(Protocol):
 
     def cl_motion(self, points: int) -> CLMotion:
         """The path as CL data with ``points`` points over the face, the run at the same spacing."""
+        ...
+
+    @property
+    def line(self) -> LengthwiseLine:
+        """The slot's lengthwise curve as far as the path goes."""
         ...
 
     def check_passage(self) -> None:
