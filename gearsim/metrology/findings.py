@@ -103,15 +103,28 @@ def root_findings(
         k, (i, depth) = min(cuts, key=lambda c: c[1][1])
         text = f"the {_where(patches[k][0])} is overcut{_beyond(patches[k][1], i)}"
         found.append(_finding("root_cut", patches[k][0], i, depth, tolerances[k], text))
+    return found + _most_left(patches, tolerances)
+
+
+def _most_left(
+    patches: Sequence[tuple[SampleGrid, Deviation]], tolerances: Sequence[Tolerance | None]
+) -> list[Finding]:
+    """The most material left; where a limit is set, what lies within it needs no pass of its own and is not told.
+
+    Where a limit is set an uncut sample is beyond it: how much stands there is not known.
+    """
+    limits = [inf if t is None else t.excess_um for t in tolerances]
     heights = [_height(deviation, grid) for grid, deviation in patches]
-    k = max(range(len(patches)), key=lambda k: float(heights[k].max()))
-    i = int(np.argmax(heights[k]))
+    unknown = [(d.crossing.ravel() == Crossing.UNCUT) & (x < inf) for (_, d), x in zip(patches, limits, strict=True)]
+    worst = [np.where(u, inf, h) for u, h in zip(unknown, heights, strict=True)]
+    k = max(range(len(patches)), key=lambda k: float(worst[k].max()))
+    i = int(np.argmax(worst[k]))
     depth = 1e3 * float(heights[k][i])
-    if depth <= 0.0:
-        return found
+    if depth <= 0.0 or (depth <= limits[k] < inf and not unknown[k][i]):
+        return []
     text = f"stock is left on the {_where(patches[k][0])}{_beyond(patches[k][1], i)}; it takes a pass of its own"
-    found.append(_finding("root_stock", patches[k][0], i, depth, tolerances[k], text))
-    return found
+    tolerance = Tolerance.both(0.0) if unknown[k][i] else tolerances[k]
+    return [_finding("root_stock", patches[k][0], i, depth, tolerance, text)]
 
 
 def stock_left(grid: SampleGrid, deviation: Deviation, tolerance: Tolerance | None) -> Iterator[Finding]:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from difflib import get_close_matches
+from math import inf
 from pathlib import Path
 
 import numpy as np
@@ -25,14 +26,14 @@ from gearsim.processes.claims import Claim, Swept
 from gearsim.processes.flank_program import machine_program
 from gearsim.processes.parts import Limits, bevel_part, held
 from gearsim.processes.settings import settings
-from gearsim.programs.cldata import RAPID, CLPath, CLProgram, assemble, format_cl, parse_cl, read_cl_text
+from gearsim.processes.slot_program import slot_program
+from gearsim.programs.cldata import RAPID, CLProgram, format_cl, parse_cl, read_cl_text
 from gearsim.scene import FlankMillingScene, scene_table
 from gearsim.scene.flank_milling import ReferenceTable
 from gearsim.scene.program import ProgramTable
 from gearsim.simulation.operation import Operation, Variant, operation
 from gearsim.surfaces.part import Tolerance
 from gearsim.surfaces.patch import SIDES, Side, Tooth
-from gearsim.toolpaths.links import clear_rapids
 from gearsim.toolpaths.tangent import FlankPass
 
 THEORY, OWN, PROGRAM, OTHERS = "theory", "own pass", "program", "other passes"
@@ -51,7 +52,7 @@ def plan(scene: FlankMillingScene, folder: Path) -> Job:
     """
     tooth, cutter, m = scene.tooth(), scene.tool(), scene.metrology
     tooth.check()
-    limits = Limits(Tolerance.both(m.tolerance_um), Tolerance(m.root_tolerance_um, float("inf")))
+    limits = Limits(Tolerance.both(m.tolerance_um), Tolerance(m.root_tolerance_um, m.root_excess_um or inf))
     planners = {} if scene.toolpath.file is not None else scene.planners()
     if scene.toolpath.file is not None:
         text = read_cl_text(folder / scene.toolpath.file)
@@ -59,22 +60,26 @@ def plan(scene: FlankMillingScene, folder: Path) -> Job:
         cutters, notes = cl_cutters(program, scene.toolpath.file, cutter)
         notes += (*program.notes, *_pass_notes(program))
         notes += _posting_notes(program, scene.program)
+        told = tuple(f"CL file: {note}" for note in notes)
+        holders = tuple(scene.held() if one == cutter else None for one in cutters)
     else:
-        text, notes = _planned_program(planners, cutter, tooth, scene), ()
-        program, cutters = parse_cl(text, "planned CL data"), (cutter,)
+        planned = slot_program(scene, tooth, planners)
+        text = format_cl(planned.program, scene.name, scene.toolpath.feed_mm_min, scene.toolpath.decimals)
+        program, told = parse_cl(text, "planned CL data"), planned.notes
+        cutters, holders = zip(*planned.tools, strict=True)
     files = {"toolpath.cl": text}
     if scene.program:
         files["program.nc"] = machine_program(scene, scene.program, program, cutters)
     return Job(
         name=scene.name,
         part=bevel_part(tooth, limits, mate=tooth.blank.mate(scene.surface.mate_teeth).stock),
-        variants=tuple(_variants(scene, program, planners, cutter, cutters)),
+        variants=tuple(_variants(scene, program, planners, cutters, holders)),
         main=PROGRAM,
         inspections=(*_inspections(scene, tooth, program, planners), *held(PROGRAM, tooth, m.tooth)),
         settings=settings(scene),
         scene=scene_table(scene),
         files=files,
-        notes=tuple(f"CL file: {note}" for note in notes),
+        notes=told,
         conventions={"grids": "rows root to tip, columns toe to heel"},
     )
 
@@ -108,12 +113,11 @@ def own_paths(program: CLProgram, side: Side) -> list[int]:
 
 
 def _variants(
-    scene: FlankMillingScene, program: CLProgram, planners: Mapping[Side, FlankPass], cutter: Profile,
-    cutters: Sequence[Profile],
+    scene: FlankMillingScene, program: CLProgram, planners: Mapping[Side, FlankPass], cutters: Sequence[Profile],
+    holders: Sequence[Profile | None],
 ) -> Iterator[Variant]:  # fmt: skip
-    tolerance = scene.simulation.compile_tolerance_mm
+    tolerance, cutter = scene.simulation.compile_tolerance_mm, scene.tool()
     sources = [CLMotion(p.tips, p.axes) for p in program.paths]
-    holders = [scene.held() if one == cutter else None for one in cutters]
     whole = Variant(PROGRAM, _CONVENTIONS[PROGRAM], cl_operations(program, cutters, sources, tolerance, holders))
     yield whole
     for side in SIDES:
@@ -164,7 +168,7 @@ def _inspections(
         height = float(tooth.blank.mid_working_depth_at(tooth.blank.mean))
         yield ProfileInspection(side, motions[0], m.profile_offsets_mm, height, _published(scene.reference, side))
     yield RapidInspection(PROGRAM, box, "rapid move {number} of the CL data")
-    if scene.holder is not None:
+    if scene.has_holders:
         yield HolderInspection(PROGRAM, tuple(dense), box)
     root = tuple(p.name for p in tooth.patches if p.part != "flank")
     yield RootInspection(root, PROGRAM, max(3, m.rows // 2), m.columns, m.margin, m.window)
@@ -179,21 +183,6 @@ def _published(reference: ReferenceTable | None, side: Side) -> Published | None
     turn = -1.0 if reference.overcut_is_positive else 1.0
     um = tuple(turn * value for value in getattr(reference, f"{side}_um"))
     return Published(reference.source, reference.note, reference.overcut_is_positive, um)
-
-
-def _planned_program(
-    planners: dict[Side, FlankPass], cutter: Profile, tooth: Tooth, scene: FlankMillingScene
-) -> str:  # fmt: skip
-    """Our own CL program as text, its rapids clear of the blank; what is simulated is read back from it."""
-    table = scene.toolpath
-    passes = []
-    for side, planner in planners.items():
-        planner.check_passage()
-        motion = planner.cl_motion(table.points)
-        passes.append(CLPath(side, motion.tips, motion.axes))
-    program = assemble(passes, table.retract_mm, cutter)
-    program = clear_rapids(program, cutter, tooth.blank.stock, table.retract_mm)
-    return format_cl(program, scene.name, table.feed_mm_min, table.decimals)
 
 
 def _pass_notes(program: CLProgram) -> list[str]:
@@ -216,8 +205,9 @@ def _posting_notes(program: CLProgram, table: ProgramTable | None) -> tuple[str,
         return ()
     notes = []
     if program.feed is not None and program.fastest is not None and program.fastest > program.feed:
+        of_what = "throughout" if len(program.tools) == 1 else "of each tool"
         feeds = f"{program.feed:g} to {program.fastest:g} mm/min"
-        notes.append(f"the feeds of cutting moves are {feeds}; program.nc keeps the slowest throughout")
+        notes.append(f"the feeds of cutting moves are {feeds}; program.nc keeps the slowest {of_what}")
     if program.spindle is not None and program.spindle != table.spindle_rpm:
         notes.append(
             f"SPINDL states {program.spindle:g}/min; program.nc runs at the scene's program.spindle_rpm, "

@@ -40,7 +40,8 @@ def machine_program(scene: FlankMillingScene, table: ProgramTable, cl: CLProgram
     operations = []
     for k, run in groupby(paths, key=lambda path: path.tool):
         program = replace(cl, paths=tuple(run))
-        blocks = blocks_from_cl(table.controlled(), program, cl.feed, table.tip_control, reach=cutters[k].height)
+        feed = min((p.feed for p in program.paths if p.feed is not None), default=cl.feed)
+        blocks = blocks_from_cl(table.controlled(), program, feed, table.tip_control, reach=cutters[k].height)
         sizes = apt_parameters(cutters[k])
         shape = ", ".join(f"{value:.6g}" for value in sizes)
         tool = Tool(numbers[k], f"APT cutter {shape}", sizes[0], cutters[k].height, table.flutes)

@@ -14,6 +14,7 @@ from gearsim.scene.bevel import BevelBlankTable, GeneratorTable, Number, ToothTa
 from gearsim.scene.catalogue import AnyCutter
 from gearsim.scene.holder import HolderTable
 from gearsim.scene.program import ProgramTable
+from gearsim.scene.slot_operations import RootTable, RoughingTable, SemiFinishingTable
 from gearsim.scene.tables import Angle, Count, GridTable, Length, LengthOrZero, Table
 from gearsim.surfaces.face_milled import FaceMilledTooth
 from gearsim.surfaces.patch import SIDES, Side, Tooth
@@ -53,9 +54,9 @@ class RuledBevelTable(BevelBlankTable):
             radians(self.start_angle_deg), self.tapered,
         )  # fmt: skip
 
-    def planner(self, side: Side, cutter: Profile, run: float) -> FlankPass:
-        """The pass that finishes one flank; ``run`` [mm] goes beyond toe and heel."""
-        return FlankPath(self.build(), side, cutter, run)
+    def planner(self, side: Side, cutter: Profile, run: float, allowance: float = 0.0) -> FlankPass:
+        """The pass of one flank that leaves ``allowance`` [mm]; ``run`` [mm] goes beyond toe and heel."""
+        return FlankPath(self.build(), side, cutter, run, allowance)
 
 
 class FaceMilledFlankTable(BevelBlankTable):
@@ -72,14 +73,17 @@ class FaceMilledFlankTable(BevelBlankTable):
     def build(self) -> FaceMilledTooth:
         return FaceMilledTooth(self.blank(), self.head.build(), self.generator.build(), self.generated)
 
-    def planner(self, side: Side, cutter: Profile, run: float) -> FlankPass:
-        """The pass that finishes one flank; ``run`` [mm] goes beyond toe and heel."""
+    def planner(self, side: Side, cutter: Profile, run: float, allowance: float = 0.0) -> FlankPass:
+        """The pass of one flank that leaves ``allowance`` [mm]; ``run`` [mm] goes beyond toe and heel."""
         tooth = self.build()
-        return GeneratedFlankPath(tooth.flank(side), cutter, tooth.blade_start(side), run)
+        return GeneratedFlankPath(tooth.flank(side), cutter, tooth.blade_start(side), run, allowance)
 
 
 class ToolpathTable(Table):
-    """Table [toolpath]: our planner's values, or ``file``, a CL file to read instead."""
+    """Table [toolpath]: our planner's values, or ``file``, a CL file to read instead.
+
+    ``spaces``: how many of the gear's are cut, by indexing from the first (none: that one alone).
+    """
 
     file: str | None = None
     points: Count = 65
@@ -87,6 +91,7 @@ class ToolpathTable(Table):
     retract_mm: Length = 15.0
     feed_mm_min: Length = 600.0
     decimals: int = Field(default=9, ge=3, le=12)
+    spaces: int | None = Field(default=None, ge=1, le=1000)
 
     @model_validator(mode="after")
     def _file_alone(self) -> ToolpathTable:
@@ -99,11 +104,13 @@ class ToolpathTable(Table):
 class MetrologyTable(GridTable):
     """Table [metrology]: what is measured, and the tolerances of the verdict.
 
-    ``tooth``: what the blank of a ``face-milled-flank`` is held against.
+    ``root_excess_um``: how much may be left on fillets and bottom land (none: as much as it likes). ``tooth``: what the
+    blank of a ``face-milled-flank`` is held against.
     """
 
     tolerance_um: Length
     root_tolerance_um: Length
+    root_excess_um: Length | None = None
     rows: Count = 21
     columns: Count = 257
     margin: float = Field(default=0.01, gt=0.0, lt=0.5)
@@ -133,6 +140,9 @@ class FlankMillingScene(Scene):
     cutter: AnyCutter
     holder: HolderTable | None = None
     toolpath: ToolpathTable = ToolpathTable()
+    roughing: RoughingTable | None = None
+    semi_finishing: SemiFinishingTable | None = None
+    root: RootTable | None = None
     program: ProgramTable | None = None
     metrology: MetrologyTable
     reference: ReferenceTable | None = None
@@ -146,6 +156,19 @@ class FlankMillingScene(Scene):
                     f"reference.{key} has {len(getattr(self.reference, key))} entries, metrology.profile_offsets_mm "
                     f"{offsets}; they stand beside each other"
                 )
+        return self
+
+    @model_validator(mode="after")
+    def _file_alone(self) -> FlankMillingScene:
+        given = [name for name in ("roughing", "semi_finishing", "root") if getattr(self, name) is not None]
+        if self.toolpath.file is not None and given:
+            raise ValueError(f"toolpath.file replaces our planner; remove {', '.join(given)}")
+        return self
+
+    @model_validator(mode="after")
+    def _spaces_of_the_gear(self) -> FlankMillingScene:
+        if (self.toolpath.spaces or 1) > self.surface.teeth:
+            raise ValueError(f"toolpath.spaces: got {self.toolpath.spaces}; the gear has {self.surface.teeth}")
         return self
 
     @model_validator(mode="after")
@@ -165,6 +188,12 @@ class FlankMillingScene(Scene):
         """What stands above the cutter, where it is given."""
         return None if self.holder is None else self.holder.build(self.tool().height)
 
+    @property
+    def has_holders(self) -> bool:
+        """Whether anything is known to stand above a tool."""
+        tables = (self, self.roughing, self.semi_finishing, self.root)
+        return any(table is not None and table.holder is not None for table in tables)
+
     def planners(self) -> dict[Side, FlankPass]:
         """Our planner's pass for each flank."""
         cutter = self.tool()
@@ -172,4 +201,6 @@ class FlankMillingScene(Scene):
 
     def builders(self) -> tuple[Callable[[], object], ...]:
         program = (self.program.controlled, self.program.options) if self.program else ()
-        return (self.tooth, self.tool, self.held, *program)
+        others = [t for t in (self.roughing, self.semi_finishing, self.root) if t is not None]
+        tools = (build for table in others for build in (table.cutter, table.held))
+        return (self.tooth, self.tool, self.held, *tools, *program)

@@ -52,12 +52,12 @@ def _link(clearance: Clearance, before: CLPath | None, after: CLPath | None, ret
     back: list[CLPath] = []
     ways: list[list[Pose]] = []
     ends = [(p.tips[i], p.axes[i]) if p else None for p, i in ((before, -1), (after, 0))]
-    for end, feed, name in zip(ends, (there, back), (WITHDRAWAL, APPROACH), strict=True):
-        if end is None:
+    for end, cut, feed, name in zip(ends, (before, after), (there, back), (WITHDRAWAL, APPROACH), strict=True):
+        if end is None or cut is None:
             continue
         up = clearance.height(*end)
         if up > 0.0:
-            feed.append(_path(name, [end, _raised(end, up)][:: 1 if name == WITHDRAWAL else -1]))
+            feed.append(_path(name, [end, _raised(end, up)][:: 1 if name == WITHDRAWAL else -1], cut.feed))
         ways.append([_raised(end, up), _raised(end, up + retract)])
     way = _over(clearance, *ways) if len(ways) == 2 else ways[0][:: 1 if before else -1]
     return [*there, _path(RAPID, way), *back]
@@ -102,6 +102,6 @@ def _raised(pose: Pose, height: float) -> Pose:
     return tip + height * axis, axis
 
 
-def _path(name: str, poses: list[Pose]) -> CLPath:
+def _path(name: str, poses: list[Pose], feed: float | None = None) -> CLPath:
     tips, axes = zip(*poses, strict=True)
-    return CLPath(name, np.array(tips), np.array(axes))
+    return CLPath(name, np.array(tips), np.array(axes), feed=feed)

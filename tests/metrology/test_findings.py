@@ -71,6 +71,20 @@ def test_stock_that_fills_the_window_is_told_as_a_bound(crossing, beyond):
 
 
 @pytest.mark.parametrize(
+    ("excess", "crossing", "kinds", "fails"),
+    [
+        (500.0, (MEASURED,) * 3, [], []),  # exactly at the limit
+        (499.9, (MEASURED,) * 3, ["root_stock"], [True]),
+        (5000.0, (UNCUT, MEASURED, MEASURED), ["root_stock"], [True]),  # nobody knows how much stands there
+    ],
+)
+def test_stock_within_a_limit_that_is_set_needs_no_pass_of_its_own(excess, crossing, kinds, fails):
+    found = root_findings([(row(), deviation((0.1, 0.5, 0.3), crossing))], [Tolerance(5.0, excess)])
+    assert [f.kind for f in found] == kinds
+    assert [f.fails for f in found] == fails
+
+
+@pytest.mark.parametrize(
     ("crossing", "beyond"), [((MEASURED,) * 3, ""), ((MEASURED, THROUGH, MEASURED), " beyond the measuring window")]
 )
 def test_a_cut_through_the_window_is_told_as_a_bound(crossing, beyond):

@@ -20,6 +20,7 @@ class CLPath:
     ``name`` is the pass's name (UNNAMED: the file gives none), or RAPID for moves at rapid rate; ``tool`` counts the
     program's tools from 0. ``lines`` (n,): the line of the file that each point is stated in, from 1 (empty: no file);
     ``seconds`` (n,): how long the move to each point takes (nan: by rapid, or no feed says it; empty: none does).
+    ``feed`` [mm/min] is the slowest of its moves (None: none is stated, or rapid).
     """
 
     name: str
@@ -28,6 +29,7 @@ class CLPath:
     tool: int = 0
     lines: tuple[int, ...] = ()
     seconds: tuple[float, ...] = ()
+    feed: float | None = None
 
 
 @dataclass(frozen=True)

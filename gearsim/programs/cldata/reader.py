@@ -66,7 +66,7 @@ class _Reader:
         self.feeds: list[float] = []
         self.at: tuple[NDArray, NDArray] | None = None
         self.line = 0  # where ``at`` is stated
-        self.moves: list[tuple[tuple[str, int], list[NDArray], list[NDArray], list[int], list[float]]] = []
+        self.moves: list[tuple[tuple[str, int], list[NDArray], list[NDArray], list[int], list[float], list[float]]] = []
         self.ended: Statement | None = None
         self._take: dict[str, Callable[[Statement], None]] = {
             "GOTO": self._goto, "FROM": self._goto, "GODLTA": self._by, "RAPID": self._rapid,
@@ -168,37 +168,39 @@ class _Reader:
             return
         label = (RAPID if self.rapid else self.label, tool)
         if not (self.moves and self.moves[-1][0] == label and self._at_end_of(*self.moves[-1][1:3])):
-            self.moves.append((label, [self.at[0]], [self.at[1]], [self.line], [nan]))
-        _, tips, axes, lines, seconds = self.moves[-1]
+            self.moves.append((label, [self.at[0]], [self.at[1]], [self.line], [nan], []))
+        _, tips, axes, lines, seconds, feeds = self.moves[-1]
         tips.append(tip)
         axes.append(axis)
         lines.append(s.line)
-        seconds.append(nan if self.rapid else self._feed_in(s, tip - self.at[0]))
+        took, feed = (nan, 0.0) if self.rapid else self._feed_in(s, tip - self.at[0])
+        seconds.append(took)
+        feeds += [feed] * (feed > 0.0)
 
     def _at_end_of(self, tips: list[NDArray], axes: list[NDArray]) -> bool:
         assert self.at is not None
         return np.array_equal(tips[-1], self.at[0]) and np.array_equal(axes[-1], self.at[1])
 
-    def _feed_in(self, s: Statement, way: NDArray) -> float:
-        """Take note of the feed in a cutting move, and say how long [s] it takes (nan: no feed says it).
+    def _feed_in(self, s: Statement, way: NDArray) -> tuple[float, float]:
+        """Take note of the feed in a cutting move; how long [s] it takes (nan: no feed says it), and the feed [mm/min].
 
-        Where the tip stands still, its speed says nothing.
+        Where the tip stands still, its speed says nothing: 0.
         """
         if self.stated is None:
             self.notes.without_feed(s)
-            return nan
+            return nan, 0.0
         length = float(np.linalg.norm(way))
         feed = self.stated.mm_min(length, self.spindle)
         if feed > 0.0:
             self.feeds = [min(feed, *self.feeds), max(feed, *self.feeds)] if self.feeds else [feed, feed]
-        return self.stated.seconds(length, self.spindle)
+        return self.stated.seconds(length, self.spindle), feed
 
     def program(self) -> CLProgram:
         if not any(name != RAPID for (name, _), *_ in self.moves):
             raise InputError(f"{self.name}: no cutting moves; a path needs at least two GOTO points")
         paths = tuple(
-            CLPath(name, np.array(tips), np.array(axes), k, tuple(lines), tuple(seconds))
-            for (name, k), tips, axes, lines, seconds in self.moves
+            CLPath(name, np.array(tips), np.array(axes), k, tuple(lines), tuple(seconds), min(feeds, default=None))
+            for (name, k), tips, axes, lines, seconds, feeds in self.moves
         )
         self.notes.units(self.units, paths, self.tool.used)
         slowest, fastest = self.feeds or (None, None)

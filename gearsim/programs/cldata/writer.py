@@ -11,22 +11,35 @@ from gearsim.programs.cldata.tools import CLTool
 
 
 def format_cl(program: CLProgram, title: str, feed_mm_min: float, decimals: int) -> str:
-    """CL data of one tool as text with ``decimals`` digits behind the point."""
+    """CL data as text with ``decimals`` digits behind the point; ``feed_mm_min`` holds for paths that state none.
+
+    Where the tool changes, FROM states where the next one stands before its first move.
+    """
     lines = [f"PARTNO {title}", "UNITS/MM", "MULTAX/ON"]
-    (tool,) = program.tools
-    if tool.sizes is not None:
-        lines.append("CUTTER/" + ",".join(f"{v:.9g}" for v in tool.sizes.sizes))
-    for i, path in enumerate(program.paths):
+    tool = -1
+    for path in program.paths:
+        changed = path.tool != tool
+        if changed:
+            tool = path.tool
+            lines += _tool(program.tools[tool])
         lines.append(f"$$ {len(path.tips) - 1} moves, {path.name}")
         rows = np.round(np.hstack([path.tips, path.axes]), decimals) + 0.0
-        if i == 0:
+        if changed:
             lines.append("FROM/" + ",".join(f"{v:.{decimals}f}" for v in rows[0]))
         if path.name != RAPID:
-            lines += [f"PPRINT PASS {path.name}", f"FEDRAT/{feed_mm_min:g}"]
+            lines += [f"PPRINT PASS {path.name}", f"FEDRAT/{path.feed or feed_mm_min:g}"]
         for row in rows[1:]:
             lines += ["RAPID"] if path.name == RAPID else []
             lines.append("GOTO/" + ",".join(f"{v:.{decimals}f}" for v in row))
     return "\n".join([*lines, "FINI", ""])
+
+
+def _tool(tool: CLTool) -> list[str]:
+    """What names a tool: its number and its sizes, as far as it has them."""
+    lines = [f"LOADTL/{tool.number}"] if tool.number else []
+    if tool.sizes is not None:
+        lines.append("CUTTER/" + ",".join(f"{v:.9g}" for v in tool.sizes.sizes))
+    return lines
 
 
 def assemble(passes: list[CLPath], retract: float, cutter: Profile) -> CLProgram:
