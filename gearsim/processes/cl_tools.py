@@ -2,17 +2,24 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from math import nan
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from gearsim.cutters.profile import Profile
 from gearsim.errors import InputError
 from gearsim.motion.sources import MotionSource
 from gearsim.programs.cldata import RAPID, CLProgram, CLTool, check_cutter, cutter_of, is_apt, sizes_of
 from gearsim.simulation.operation import Operation, operation
+from gearsim.toolpaths.links import APPROACH, WITHDRAWAL
+
+LINKS = (APPROACH, WITHDRAWAL)
+_NUMBERS = re.compile(r"(-\d+)?(\.\d+)?$")  # of a pass among its like, and of the space it cuts
 
 
 def cl_cutters(
@@ -77,5 +84,22 @@ def cl_operations(
                 name, cutter, [sources[i] for i in mine], tolerance, rapid=rapid, holder=holder, lines=lines,
                 seconds=seconds,
             )  # fmt: skip
-            made.append(replace(alone, step=np.array(mine)[alone.step]))
+            headings, section = _headings([program.paths[i].name for i in mine])
+            columns: dict[str, Any] = {"step": np.array(mine)[alone.step], "section": section[alone.step]}
+            made.append(replace(alone, headings=headings, **columns))
     return tuple(made)
+
+
+def _headings(passes: Sequence[str]) -> tuple[tuple[str, ...], NDArray[np.integer]]:
+    """What a program's passes are called without their numbers, and of each pass under which of these it stands.
+
+    Moves to a pass stand under the next one's, the last away under the last one's.
+    """
+    named = [None if name in (RAPID, *LINKS) else _NUMBERS.sub("", name) for name in passes]
+    headings = tuple(dict.fromkeys(name for name in named if name is not None))
+    section, following = np.zeros(len(named), dtype=int), len(headings) - 1
+    for i in reversed(range(len(named))):
+        name = named[i]
+        following = following if name is None else headings.index(name)
+        section[i] = following
+    return headings, section

@@ -7,10 +7,13 @@ import pytest
 from gearsim.cutters.catalogue import ball, barrel, flat, lollipop
 from gearsim.errors import InputError
 from gearsim.metrology.grid import DENSE
-from gearsim.processes.cl_tools import cl_cutters
+from gearsim.motion.sources import CLMotion
+from gearsim.processes.cl_tools import cl_cutters, cl_operations
 from gearsim.processes.run import plan, run_job
 from gearsim.programs.cldata import parse_cl
 from gearsim.scene import check_scene, load_scene
+from gearsim.simulation.operation import Variant
+from gearsim.simulation.sequence import in_sequence
 
 FOLDER = Path(__file__).parents[1] / "data" / "cl"
 BALL, MILL = "CUTTER/16.0,8.0,0,8.0,0,0,60", "CUTTER/6,0,3,0,0,0,20"
@@ -115,3 +118,16 @@ def test_tools_of_shapes_that_no_numbers_state_are_found_by_their_number():
     )
     assert [c.max_radius for c in stated] == [8.0, 3.0]
     assert all(c.is_convex for c in stated)
+
+
+def test_moves_stand_under_the_pass_that_they_lead_to():
+    text = (
+        "FROM/0,0,50\nRAPID\nGOTO/0,0,9\nPPRINT PASS rough-1\nFEDRAT/100,MMPM\nGOTO/0,0,0\nRAPID\nGOTO/0,0,9\n"
+        "PPRINT PASS rough-2\nGOTO/5,0,0\nRAPID\nGOTO/5,0,9\nPPRINT PASS fine.7\nGOTO/5,5,0\nRAPID\nGOTO/5,5,50\n"
+    )
+    program = parse_cl(text)
+    sources = [CLMotion(p.tips, p.axes) for p in program.paths]
+    (made,) = cl_operations(program, [flat(4.0, 20.0)], sources, 1e-9, [None])
+    assert made.headings == ("rough", "fine")
+    assert [made.headings[s] for s in made.section] == ["rough"] * 4 + ["fine"] * 3
+    assert [made.headings[o.section[0]] for o in in_sequence(Variant("program", "", (made,)))] == ["rough", "fine"]
