@@ -122,7 +122,7 @@ def device_name(device: str) -> str:
 
 
 @contextmanager
-def _memory_errors() -> Iterator[None]:
+def memory_errors() -> Iterator[None]:
     """Warp tells of a full memory by a RuntimeError."""
     try:
         yield
@@ -161,7 +161,7 @@ def cut(
     return cut_jobs([job], device=device, tolerance=tolerance, slots=slots, threads=threads, progress=progress)[0]
 
 
-@_memory_errors()
+@memory_errors()
 def cut_jobs(
     jobs: Sequence[Job],
     *,
@@ -236,7 +236,7 @@ class Loaded:
             self.kernel, tool = kernels.cut_rays, [cutter_data(cutters, device), motion, group_data(groups, device)]
         self.inputs = [*tool, self.bvh.id, tolerance]
 
-    @_memory_errors()
+    @memory_errors()
     def cut(
         self, asked: Sequence[tuple[RayBundle, int]], threads: int | None = None,
         progress: Callable[[int], None] | None = None,

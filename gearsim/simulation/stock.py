@@ -95,7 +95,14 @@ def after(stock: Stock, left: Sequence[IntervalSet], operation: Operation) -> St
 
 
 def _cut(stock: Stock, axis: int, operation: Operation, workshop: Workshop) -> IntervalSet:
-    """What an operation leaves of one bundle: rays with material alone are asked for, as far as it reaches."""
+    """What an operation leaves of one bundle."""
+    if operation.cutter.is_ring:
+        return _cut_by_ring(stock, axis, operation, workshop)
+    return workshop.cut_bundle(stock.box, axis, stock.left[axis], operation, stock.next_tag)
+
+
+def _cut_by_ring(stock: Stock, axis: int, operation: Operation, workshop: Workshop) -> IntervalSet:
+    """The same of a ring: rays with material alone are asked for, as far as it reaches."""
     left, rays = stock.left[axis], stock.box.rays(axis)
     tiles = []
     for begin in range(0, len(rays), _TILE):

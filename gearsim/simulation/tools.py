@@ -157,11 +157,15 @@ def interval_lists(rays: int, slots: int, device: str) -> IntervalLists:
 
 
 def segment_bounds(table: SegmentTable, cutter: Profile) -> tuple[NDArray, NDArray]:
-    """Axis-aligned boxes, float32 rounded outward, of the cutter swept over every row.
+    """Axis-aligned boxes, float32 rounded outward, of the cutter swept over every row."""
+    return swept_boxes(table.tip[:, 0], table.axis[:, 0], table.speed, cutter)
 
-    Each box holds the mid-pose tool's bounding cylinders grown by the row's largest displacement.
+
+def swept_boxes(tip: NDArray, axis: NDArray, travel: NDArray, cutter: Profile) -> tuple[NDArray, NDArray]:
+    """The same of the cutter no point of which is farther than ``travel`` [mm] from where it is at a pose.
+
+    Each box holds the cutter's bounding cylinders at the pose grown by that.
     """
-    tip, axis = table.tip[:, 0], table.axis[:, 0]
     spread = np.sqrt(np.clip(1.0 - axis**2, 0.0, 1.0))
     lower, upper = np.full(tip.shape, np.inf), np.full(tip.shape, -np.inf)
     for e in cutter.elements:
@@ -170,7 +174,7 @@ def segment_bounds(table: SegmentTable, cutter: Profile) -> tuple[NDArray, NDArr
             centre = tip + z * axis
             lower = np.minimum(lower, centre - radius * spread)
             upper = np.maximum(upper, centre + radius * spread)
-    pad = table.speed[:, None] * (1.0 + 1e-6) + 1e-4
+    pad = travel[:, None] * (1.0 + 1e-6) + 1e-4
     return (
         np.nextafter((lower - pad).astype(np.float32), -np.float32(np.inf)),
         np.nextafter((upper + pad).astype(np.float32), np.float32(np.inf)),

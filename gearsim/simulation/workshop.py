@@ -5,14 +5,17 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from pathlib import Path
+from time import perf_counter
 
 import numpy as np
 from numpy.typing import NDArray
 
 from gearsim.geometry.rays import RayBundle
+from gearsim.simulation.dexels import DexelBox
 from gearsim.simulation.intervals import IntervalSet, nothing, unite
 from gearsim.simulation.operation import Operation
 from gearsim.simulation.removal import Loaded, Removal
+from gearsim.simulation.tiles import TileCutter
 
 
 class Workshop:
@@ -32,6 +35,7 @@ class Workshop:
         self.rays = self.candidates = self.pairs = 0
         self.kernel_s = 0.0
         self._places: dict[int, tuple[Loaded, int]] = {}
+        self._tiles: dict[int, TileCutter] = {}
         self._kept: list[Operation] = []  # an id is only known while its object lives
 
     def cut(self, asked: Sequence[tuple[RayBundle, Sequence[Operation]]]) -> list[IntervalSet]:
@@ -48,6 +52,25 @@ class Workshop:
             mine = [_numbered(next(parts), int(row)) for row in rows[:-1]]
             results.append(unite(mine) if mine else nothing(len(rays)))
         return results
+
+    def cut_bundle(
+        self, box: DexelBox, axis: int, left: IntervalSet, operation: Operation, first_tag: int
+    ) -> IntervalSet:
+        """What an operation with a convex tool leaves of the material along a box's bundle; ends carry tags.
+
+        The operation's rows are told by tags from ``first_tag`` on. Raises NumericalError where a status forbids trust.
+        """
+        cutter = self._tiles.get(id(operation.table))
+        if cutter is None:
+            cutter = TileCutter(operation.table, operation.cutter, self.device, self.tolerance)
+            self._tiles[id(operation.table)] = cutter
+            self._kept.append(operation)
+        started, pairs = perf_counter(), cutter.pairs
+        result = cutter.cut(box, axis, left, first_tag, self.slots, progress=self.progress)
+        self.kernel_s += perf_counter() - started
+        self.rays += len(left.first) - 1
+        self.pairs += cutter.pairs - pairs
+        return result
 
     def _removed(self, asked: list[tuple[RayBundle, Operation]]) -> list[IntervalSet]:
         self._load([operation for _, operation in asked])

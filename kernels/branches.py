@@ -1,0 +1,220 @@
+"""Rows of a motion halved again and again, and where the tool of such a branch may meet a tile of parallel rays.
+
+Over a branch the tip moves by s u + e and the axis by s g + f: s within [-1, 1], u the stroke, g the swing, e no
+longer than ``rest`` and f than ``sway``. A half-space that holds the tool at the branch's pose, with normal n, holds it
+over the whole branch when moved by |n . (u + h g)| + rest + |h| sway, h any height, and by ``turn`` times how far tool
+points are from the axis' point there; rays beside the middle one by a and b ask for |n . a| + |n . b| more. So the
+plane at the middle ray's contact bounds how early any ray of the tile is entered at any pose of the branch.
+"""
+
+import warp as wp
+
+from gearsim.kernels.cull import PAD
+from gearsim.kernels.profile import LINE, Cutter, cutter_interval, face_normal
+from gearsim.kernels.tool_ray import FAR, TINY, ToolRay, ball_interval, greater, lesser, line_interval, tool_ray
+
+f64 = wp.float64
+
+FLAT = wp.constant(f64(0.05))
+
+
+@wp.struct
+class Branches:
+    """Branch i of level j holds the rows i 2^j to (i + 1) 2^j and stands at ``level[j] + i``.
+
+    (``tip``, ``axis``) is a pose of it. Over it the tip stays within ``rest`` [mm] of tip + s stroke and the axis
+    within ``sway`` of axis + s swing, for some s of [-1, 1], and within ``turn`` of axis. ``roots``: the branches that
+    a search begins with, as (level, i).
+    """
+
+    level: wp.array(dtype=wp.int32)
+    tip: wp.array(dtype=wp.vec3d)
+    axis: wp.array(dtype=wp.vec3d)
+    stroke: wp.array(dtype=wp.vec3d)
+    swing: wp.array(dtype=wp.vec3d)
+    rest: wp.array(dtype=f64)
+    sway: wp.array(dtype=f64)
+    turn: wp.array(dtype=f64)
+    roots: wp.array(dtype=wp.vec2i)
+
+
+@wp.struct
+class Tile:
+    """Parallel rays: the middle one, and how far the others lie beside it at most: s a + t b, s and t in [-1, 1]."""
+
+    origin: wp.vec3d
+    direction: wp.vec3d
+    a: wp.vec3d
+    b: wp.vec3d
+
+
+@wp.struct
+class Reach:
+    """The middle ray's chord [lo, hi] at the branch's pose, if ``found``, and the stretch [first, last] outside of
+    which no ray of the tile meets the tool anywhere in the branch; none if first > last. ``lead``: whether the tool
+    takes more ahead along the stroke (positive) or behind.
+    """
+
+    found: wp.int32
+    lo: f64
+    hi: f64
+    first: f64
+    last: f64
+    lead: f64
+
+
+@wp.func
+def farthest(cutter: Cutter, along: f64, across: f64, turn: f64, base: f64) -> f64:
+    """How far the cutter gets in a direction from its axis' point at ``base``, the axis turned by up to ``turn``."""
+    most = -FAR
+    for k in range(cutter.first, cutter.end):
+        if cutter.slabs[k, 5] == LINE:
+            z = cutter.slabs[k, 0] - base
+            r = cutter.slabs[k, 2]
+            most = greater(most, z * along + r * across + turn * (wp.abs(z) + r))
+            r += cutter.slabs[k, 3] * (cutter.slabs[k, 1] - cutter.slabs[k, 0])
+            z = cutter.slabs[k, 1] - base
+            most = greater(most, z * along + r * across + turn * (wp.abs(z) + r))
+        else:
+            z = cutter.slabs[k, 3] - base
+            r = cutter.slabs[k, 2]
+            most = greater(most, z * along + r * across + cutter.slabs[k, 4] + turn * (wp.abs(z) + wp.abs(r)))
+    return most
+
+
+@wp.func
+def past(cutter: Cutter, branches: Branches, node: int, tile: Tile, n: wp.vec3d, base: f64) -> wp.vec2d:
+    """How far the tool gets past the middle ray's origin in direction n anywhere in the branch, what lies beside that
+    ray counted in, and how much farther than at its pose at the end of the stroke [mm].
+    """
+    axis = branches.axis[node]
+    along = wp.dot(n, axis)
+    far = farthest(cutter, along, wp.length(n - along * axis), branches.turn[node], base)
+    far += wp.dot(n, branches.tip[node] + base * axis - tile.origin)
+    push = wp.dot(n, branches.stroke[node] + base * branches.swing[node])
+    far += wp.abs(push) + branches.rest[node] + wp.abs(base) * branches.sway[node]
+    return wp.vec2d(far + wp.abs(wp.dot(n, tile.a)) + wp.abs(wp.dot(n, tile.b)) + PAD * cutter.size, push)
+
+
+@wp.func
+def earliest(
+    cutter: Cutter, branches: Branches, node: int, tile: Tile, ray: ToolRay, tau: f64, face: int, way: f64
+) -> wp.vec2d:  # fmt: skip
+    """Before this no ray of the tile, run forward (``way`` 1) or backward (-1), is in the tool, and how much earlier
+    the middle one is at the end of the stroke; -FAR where that is lost.
+
+    ``tau`` and ``face``: where the middle ray, seen from the tool as ``ray``, has an end of its chord.
+    """
+    z = ray.z0 + tau * ray.dz
+    w = ray.w0 + tau * ray.w1
+    r = wp.length(w)
+    normal = face_normal(cutter, face, r, z)
+    n = normal[1] * branches.axis[node]
+    if r > TINY:
+        n = n + (normal[0] / r) * w
+    n = wp.normalize(n)
+    steep = -way * wp.dot(n, tile.direction)
+    if not steep > FLAT:
+        return wp.vec2d(-FAR, f64(0.0))
+    base = z
+    if face % 2 == 0 and cutter.slabs[face // 2, 5] != LINE:
+        base = cutter.slabs[face // 2, 3]
+    far = past(cutter, branches, node, tile, n, base)
+    return wp.vec2d(-far[0], far[1]) / steep
+
+
+@wp.func
+def passes(cutter: Cutter, branches: Branches, node: int, tile: Tile, ray: ToolRay) -> bool:
+    """Whether a plane along the rays, across the way from the axis to the middle one, keeps the tool from them all."""
+    low = cutter.slabs[cutter.first, 0]
+    if cutter.slabs[cutter.first, 5] != LINE:
+        low = cutter.slabs[cutter.first, 3]
+    base = ray.z0
+    if ray.square > TINY:
+        base -= ray.dz * ray.half / ray.square
+    base = wp.clamp(base, low, cutter.slabs[cutter.end - 1, 1])
+    n = tile.origin - branches.tip[node] - base * branches.axis[node]
+    n = n - wp.dot(n, tile.direction) * tile.direction
+    size = wp.length(n)
+    if size < TINY:
+        return False
+    return past(cutter, branches, node, tile, n / size, base)[0] < f64(0.0)
+
+
+@wp.func
+def around(cutter: Cutter, ray: ToolRay, move: f64, turn: f64, window: wp.vec2d) -> wp.vec2d:
+    """The part of a window where a ray is within ``move`` [mm] of the cutter turned by ``turn``, if first <= last."""
+    per_dz = FAR
+    if wp.abs(ray.dz) > TINY:
+        per_dz = f64(1.0) / ray.dz
+    first = FAR
+    last = -FAR
+    for k in range(cutter.first, cutter.end):
+        z0 = cutter.slabs[k, 0]
+        z1 = cutter.slabs[k, 1]
+        width = cutter.slabs[k, 2]
+        if cutter.slabs[k, 5] == LINE:
+            width = greater(width, width + cutter.slabs[k, 3] * (z1 - z0))
+        else:
+            width += cutter.slabs[k, 4]
+        grown = move + turn * (greater(wp.abs(z0), wp.abs(z1)) + width)
+        below = (z0 - grown - ray.z0) * per_dz
+        above = (z1 + grown - ray.z0) * per_dz
+        lo = greater(lesser(below, above), window[0] - ray.shift)
+        hi = lesser(greater(below, above), window[1] - ray.shift)
+        if lo <= hi:
+            part = wp.vec2d(f64(1.0), f64(0.0))
+            if cutter.slabs[k, 5] == LINE:
+                part = line_interval(
+                    ray, cutter.slabs[k, 2] + grown * cutter.slabs[k, 4], cutter.slabs[k, 3], z0, lo, hi
+                )
+            elif cutter.slabs[k, 2] < f64(0.0):
+                part = line_interval(ray, width + grown, f64(0.0), f64(0.0), lo, hi)
+            else:
+                part = ball_interval(ray, cutter.slabs[k, 3], width + grown, lo, hi)
+            if part[0] <= part[1]:
+                first = lesser(first, part[0])
+                last = greater(last, part[1])
+    return wp.vec2d(first + ray.shift, last + ray.shift)
+
+
+@wp.func
+def reach_of(cutter: Cutter, branches: Branches, node: int, tile: Tile, window: wp.vec2d) -> Reach:
+    """See Reach; within a window along the rays."""
+    ray = tool_ray(branches.tip[node], branches.axis[node], cutter.middle, tile.origin, tile.direction)
+    hit = cutter_interval(cutter, ray)
+    reach = Reach()
+    reach.found = hit.found
+    first = -FAR
+    last = FAR
+    lost = 1 - hit.found
+    end = wp.vec2d()
+    if hit.found == 1:
+        reach.lo = hit.lo + ray.shift
+        reach.hi = hit.hi + ray.shift
+        if reach.lo > window[0]:
+            end = earliest(cutter, branches, node, tile, ray, hit.lo, hit.lo_face, f64(1.0))
+            first = end[0]
+            reach.lead = end[1]
+        if reach.hi < window[1]:
+            end = earliest(cutter, branches, node, tile, ray, hit.hi, hit.hi_face, f64(-1.0))
+            last = -end[0]
+            reach.lead += end[1]
+        if (first == -FAR and reach.lo > window[0]) or (last == FAR and reach.hi < window[1]):
+            lost = 1
+    first = greater(first, window[0])
+    last = lesser(last, window[1])
+    if hit.found == 0 and passes(cutter, branches, node, tile, ray):
+        reach.first = FAR
+        reach.last = -FAR
+        return reach
+    if lost == 1:
+        move = wp.length(branches.stroke[node]) + branches.rest[node] + wp.length(tile.a) + wp.length(tile.b)
+        move += PAD * cutter.size + f64(1.0e3) * cutter.skin
+        reach.lead = wp.dot(ray.w0, branches.stroke[node])
+        near = around(cutter, ray, move, branches.turn[node], window)
+        first = greater(first, near[0])
+        last = lesser(last, near[1])
+    reach.first = first
+    reach.last = last
+    return reach
