@@ -23,6 +23,7 @@ wp.set_module_options(OPTIONS)
 
 STACK = 48
 SEEDS = wp.constant(64)
+PER_SEED = wp.constant(f64(1.0 / 64.0))
 GUESS = wp.constant(f64(0.5))
 DIVIDE = wp.constant(f64(1.0))
 PAD_MM = wp.constant(f64(1.0e-3))
@@ -91,8 +92,8 @@ def seed(
 ) -> Seeds:  # fmt: skip
     """Cut chords at the poses of a few roots, found along the middle ray.
 
-    Those that take something from it, and not much less than others did, are noted, and applied to all rays from the
-    last to the first, those that then take nothing more left out: the last of them takes most.
+    Those that take something from it are noted (the more are, the longer a chord must be), and applied to all rays
+    from the last to the first, those that then take nothing more left out: the last of them takes most.
     """
     tile = tile_of(lattice, square)
     middle = middle_slot(lattice, square)
@@ -110,9 +111,11 @@ def seed(
         node = branches.level[branches.roots[root][0]] + branches.roots[root][1]
         ray = tool_ray(branches.tip[node], branches.axis[node], cutter.middle, tile.origin, tile.direction)
         hit = cutter_interval(cutter, ray)
-        lo = greater(hit.lo + ray.shift, window[0]) + margin
-        hi = lesser(hit.hi + ray.shift, window[1]) - margin
-        if hit.found == 1 and noted < SEEDS and lo + margin < hi - margin and hi - lo >= f64(0.25) * longest:
+        lo = hit.lo + ray.shift + margin
+        hi = hit.hi + ray.shift - margin
+        least = longest * f64(noted) * PER_SEED
+        inside = lo < hi and lo < window[1] and hi > window[0]
+        if hit.found == 1 and inside and noted < SEEDS and hi - lo >= least:
             longest = greater(longest, hi - lo)
             if not covers(lists, guide, lo + margin, hi - margin):
                 insert(lists, guide, lo, hi, 0, 0, f64(0.0))
