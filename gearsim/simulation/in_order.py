@@ -21,6 +21,8 @@ from gearsim.simulation.operation import Operation
 from gearsim.simulation.removal import SLICE_RAYS, open_device, tile_rays
 from gearsim.simulation.tools import RowGroups, cutter_data, group_data, interval_lists, motion_data, row_groups
 
+_MOST_SLOTS = 256
+
 
 class Taken(NamedTuple):
     """What an operation removes from rays; the length [mm] of material that each row is the first to take, (rows,)."""
@@ -48,17 +50,31 @@ def cut_in_order(
         row_tree(groups, device), tolerance,
     ]  # fmt: skip
     removed, length = [], np.zeros(len(operation))
-    for begin in range(0, max(len(rays), 1), tile_rays(slots)):
-        own = slice(begin, min(begin + tile_rays(slots), len(rays)))
-        part = _tile(rays.part(own), material.part(own.start, own.stop, 0), tool, len(operation), device, slots)
+    step = tile_rays(max(slots, _MOST_SLOTS))
+    for begin in range(0, max(len(rays), 1), step):
+        own = slice(begin, min(begin + step, len(rays)))
+        part = _roomy(rays.part(own), material.part(own.start, own.stop, 0), tool, len(operation), device, slots)
         removed.append(part.removed)
         length += part.length
     return Taken(concatenate(removed), length)
 
 
-def _tile(
+def _roomy(
     rays: RayBundle, material: IntervalSet, tool: list[Any], rows: int, device: str, slots: int
 ) -> Taken:  # fmt: skip
+    """Rays cut with as many slots as their longest list wants. Raises NumericalError where that is beyond measure."""
+    while True:
+        part, told = _tile(rays, material, tool, rows, device, slots)
+        if not told:
+            return part
+        if told != Status.INTERVALS_OVERFLOW or slots >= _MOST_SLOTS:
+            raise NumericalError(f"rows in order: rays cannot be trusted: {'; '.join(explain(told))}")
+        slots *= 2
+
+
+def _tile(
+    rays: RayBundle, material: IntervalSet, tool: list[Any], rows: int, device: str, slots: int
+) -> tuple[Taken, Status]:  # fmt: skip
     n, workers = len(rays), os.cpu_count() or 1
     along = [wp.array(a, dtype=wp.vec3d, device=device) for a in (rays.origin, rays.direction)]
     along += [wp.array(a, dtype=wp.float64, device=device) for a in (rays.start, rays.end)]
@@ -83,10 +99,8 @@ def _tile(
     else:
         launch(0, n)
     told = Status(int(np.bitwise_or.reduce(status.numpy(), initial=0)))
-    if told:
-        raise NumericalError(f"rows in order: rays cannot be trusted: {'; '.join(explain(told))}")
     columns = (lists.count, lists.lo, lists.hi, lists.lo_segment, lists.hi_segment)
-    return Taken(from_lists(*(a.numpy() for a in columns)), length.numpy().sum(axis=0))
+    return Taken(from_lists(*(a.numpy() for a in columns)), length.numpy().sum(axis=0)), told
 
 
 def _material(material: IntervalSet, device: str) -> Material:
