@@ -70,15 +70,20 @@ class SurfaceFigures(NamedTuple):
 
 @dataclass(frozen=True)
 class StockMeasurement:
-    """A whole blank machined: its volumes [mm³] by bundle before, the stock and its surface after, what was found."""
+    """A whole blank machined: its volumes [mm³] by bundle before, the stock and its surface after, what was found.
+
+    ``deviation`` [mm] of each of the contour's vertices from what is intended near it, nan where nothing is.
+    """
 
     variant: str
     stock: Stock
     contour: Contour
     blank_volumes: tuple[float, float, float]
     exact_blank_volume: float
+    deviation: NDArray[np.floating]
     operations: tuple[OperationFigures, ...]
     surfaces: tuple[SurfaceFigures, ...]
+    solid_tolerance: Tolerance | None = None
     surface: str = ""
     inspection: str = "stock"
 
@@ -122,20 +127,28 @@ class StockInspection:
             findings += list(_judged(found, self.intended.tolerance, job))
         findings += [] if self.told else list(self._rapids(machined, job))
         measured = StockMeasurement(
-            self.variant,
-            machined.stock,
-            machined.contour,
-            machined.blank_volumes,
-            self.blank.volume,
-            figures,
-            tuple(surfaces),
-        )
+            self.variant, machined.stock, machined.contour, machined.blank_volumes, self.blank.volume,
+            self._deviation(job, machined.contour.mesh.points), figures, tuple(surfaces),
+            None if self.intended is None else self.intended.tolerance,
+        )  # fmt: skip
         if self.intended is None:
             return Reading((measured,), tuple(findings))
         doubts = (
             () if surfaces[-1].ends else ("no ray of the stock holds any material: nothing of the solid was judged",)
         )
         return Reading((measured,), tuple(findings), doubts, (SOLID,), (_BY_RAYS,))
+
+    def _deviation(self, job: Job, points: NDArray) -> NDArray:
+        """Signed distances of points from the intended surfaces or solid, whichever is the nearest."""
+        if self.intended is not None:
+            distance = self.intended.signed_distance(points)
+            return np.where(np.abs(distance) < _NEAR_MM, distance, np.nan)
+        out = np.full(len(points), np.nan)
+        for intended in job.part.surfaces.values():
+            close, distance = _near(sample_grid(intended.patch, _ROWS, _COLUMNS, 0.0), points, self.spaces)
+            nearer = ~(np.abs(out[close]) <= np.abs(distance))
+            out[close[nearer]] = distance[nearer]
+        return out
 
     def _figures(self, work: Work, removed: NDArray) -> OperationFigures:
         operation, ends = work.operation, []
@@ -162,12 +175,7 @@ def near_surface(grid: SampleGrid, stock: Stock, spaces: int = 1) -> SurfaceFigu
     Ends are exact to the cut's tolerance; what lies between rays is not seen.
     """
     points = np.concatenate([_ends(stock, axis, False) for axis in AXES])
-    turned = _into_one_space(points, grid, spaces)
-    lower, upper = (f(grid.point[np.isfinite(grid.point).all(axis=-1)], axis=0) for f in (np.min, np.max))
-    close = np.flatnonzero(((turned > lower - _NEAR_MM) & (turned < upper + _NEAR_MM)).all(axis=1))
-    distance, _, _ = signed_distance(grid, turned[close], _NEAR_MM)
-    near = np.abs(distance) < _NEAR_MM
-    close, distance = close[near], distance[near]
+    close, distance = _near(grid, points, spaces)
     if not len(close):
         nowhere = np.full(3, np.nan)
         return SurfaceFigures(grid.patch.name, 0, np.nan, np.nan, nowhere, nowhere)
@@ -180,6 +188,16 @@ def near_surface(grid: SampleGrid, stock: Stock, spaces: int = 1) -> SurfaceFigu
         points[close[low]],
         points[close[high]],
     )
+
+
+def _near(grid: SampleGrid, points: NDArray, spaces: int) -> tuple[NDArray, NDArray]:
+    """Which points lie within half a millimetre of a surface or one like it in another space, and how far [mm]."""
+    turned = _into_one_space(points, grid, spaces)
+    lower, upper = (f(grid.point[np.isfinite(grid.point).all(axis=-1)], axis=0) for f in (np.min, np.max))
+    close = np.flatnonzero(((turned > lower - _NEAR_MM) & (turned < upper + _NEAR_MM)).all(axis=1))
+    distance, _, _ = signed_distance(grid, turned[close], _NEAR_MM)
+    near = np.abs(distance) < _NEAR_MM
+    return close[near], distance[near]
 
 
 def beside_solid(intended: MachinedSolid, stock: Stock) -> SurfaceFigures:

@@ -21,6 +21,7 @@ from gearsim.output.gouging.draw import draw_surfaces
 from gearsim.output.meshes import joined, write_vtp
 from gearsim.output.part_view import part_view
 from gearsim.output.wanted import Wanted
+from gearsim.output.whole_part import draw_whole
 
 FRAGMENT = "_view.html"  # aside, for report.html
 Arrays = dict[str, NDArray]
@@ -39,6 +40,7 @@ PICTURES = (
     Picture("surface.png", "gouge:", "The machined surface under the first tools, with the tool", draw_surfaces),
     Picture("gear.png", "section:", "The machined gear with its tool, and space 1 coloured by deviation", draw_gear),
     Picture("tooth.png", "tooth:", "The machined slot among its neighbours, coloured by its deviation", draw_tooth),
+    Picture("part.png", "whole:", "The whole part as it was cut, by operation and by deviation", draw_whole),
     Picture("envelope.png", "grazing:", "The surfaces with grazing curves, and the tool at both ends", draw_swept),
     Picture("toolpaths.png", "path:", "Tool axis positions of the finish passes", draw_toolpaths),
     Picture("envelopes.png", "envelope:", "The cutter's untrimmed envelopes", draw_envelopes),
@@ -59,7 +61,7 @@ def draw_all(data: Arrays, folder: Path, wanted: Wanted, tell: Callable[[dict[st
         whole = joined(surfaces.values())
         whole.GetPointData().SetActiveScalars("deviation_um")
         write_vtp(whole, dict(data["stated"]), folder / MESHES)
-    if surfaces and wanted.file(VIEW):
+    if (surfaces or "whole:points" in data) and wanted.file(VIEW):
         (folder / FRAGMENT).write_text(part_view(data, surfaces), encoding="utf-8")
     pictures = [p for p in _drawable(data) if wanted.file(p.file)]
     tell({p.file: p.caption for p in pictures})

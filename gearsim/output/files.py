@@ -15,6 +15,7 @@ from gearsim.scratch import PREFIX, hold, making
 LAST = "report.json"
 SAMPLES = "samples.parquet"
 MESHES = "tooth.vtp"
+PART = "part.vtp"
 CHECKPOINTS = ".stock-so-far"  # of a whole part, until its run is complete
 VIEW = "view"  # the interactive one, which stands in report.html
 

@@ -23,10 +23,11 @@ from gearsim.result import Result
 
 STOCK, OPERATIONS = "stock.parquet", "operations.parquet"
 SOLIDS = ("part.stl", "part.vtp", "part.3mf")
+PICTURE = "part.png"
 
 
 def files(_: Job, asked: Sequence[StockInspection]) -> list[str]:
-    return [STOCK, OPERATIONS, *SOLIDS]
+    return [STOCK, OPERATIONS, *SOLIDS, PICTURE]
 
 
 def figures(m: StockMeasurement) -> dict[str, Any]:
@@ -129,6 +130,26 @@ def data(result: Result, found: Sequence[StockMeasurement]) -> dict[str, Callabl
     return solids | {
         STOCK: partial(save_stock, m.stock, job=result.name),
         OPERATIONS: partial(write_columns, [_rows(i, o) for i, o in enumerate(m.operations)], result),
+    }
+
+
+def layers(result: Result, found: Sequence[StockMeasurement]) -> dict[str, NDArray]:
+    """The whole part's surface, of each triangle what made it, of each vertex how far it is off."""
+    (m,) = found
+    mesh, tolerances = m.contour.mesh, [s.tolerance for s in result.job.part.surfaces.values() if s.tolerance]
+    tolerances += [tolerance] if (tolerance := m.solid_tolerance) else []
+    ends = [um for t in tolerances for um in (t.overcut_um, t.excess_um) if 0.0 < um < np.inf]
+    names = [o.name for o in m.operations]
+    cutters = [o.operation.cutter.name for o in m.operations]
+    return {
+        "whole:points": mesh.points,
+        "whole:triangles": mesh.triangles,
+        "whole:tag": mesh.tag,
+        "whole:operation": m.stock.operation_of(mesh.tag),
+        "whole:names": np.array(names),
+        "whole:tools": np.array([f"{name}: {cutter}" for name, cutter in zip(names, cutters, strict=True)]),
+        "whole:deviation_um": 1e3 * m.deviation,
+        "whole:limit_um": np.array(min(ends, default=10.0)),
     }
 
 

@@ -13,7 +13,7 @@ from gearsim.metrology.job import Job
 from gearsim.output.columns import Column
 from gearsim.output.drawer import FRAGMENT, PICTURES
 from gearsim.output.exr import stated, write_exr
-from gearsim.output.files import LAST, MESHES, SAMPLES, VIEW
+from gearsim.output.files import LAST, MESHES, PART, SAMPLES, VIEW
 from gearsim.output.markdown import write_report
 from gearsim.output.painting import Painters
 from gearsim.output.presenters import collected, promised
@@ -58,7 +58,9 @@ def refuse_unknown(job: Job, wanted: Wanted) -> None:
     if not wanted.only:
         return
     there = promised(job)
-    names = [*REPORTS, *job.files, *_formats(there, wanted)] + [VIEW] * (wanted.pictures and MESHES in there)
+    names = [*REPORTS, *job.files, *_formats(there, wanted)] + [VIEW] * (
+        wanted.pictures and bool({MESHES, PART} & {*there})
+    )
     unknown = [pattern for pattern in wanted.only if not any(fnmatchcase(name, pattern) for name in names)]
     if unknown:
         known = ", ".join(sorted(names))

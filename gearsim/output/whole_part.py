@@ -1,0 +1,65 @@
+"""The whole part in 3D, as operations left it: a still picture, and a shape for the interactive view."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gearsim.output.canvas import Canvas, add_map, add_mesh
+from gearsim.output.colours import class_colours
+from gearsim.output.meshes import mesh
+from gearsim.output.shapes import Classes, Colouring, Shape, Values
+from gearsim.output.view import DEVIATION, STEEL, Look, add_colours, add_legend, aim_alike
+
+BLANK = "blank"
+WAY, UP = (0.55, -0.6, 0.6), (0.0, 0.0, 1.0)
+_MOST_NAMES = 8  # of a legend
+
+
+def whole_shape(data: dict[str, NDArray]) -> Shape:
+    """The part's surface with all that it can be coloured by."""
+    operation = data["whole:operation"] + 1
+    names = (BLANK, *map(str, data["whole:names"]))
+    colours: dict[str, Colouring] = {
+        "deviation": Values(data["whole:deviation_um"], *_limits(data), "µm"),
+        "operation": Classes(operation, names),
+        "tool": Classes(operation, (BLANK, *map(str, data["whole:tools"]))),
+        "tool mark": Classes(_marks(data["whole:tag"]), ("blank", *(f"row {k} of ten" for k in range(10)))),
+    }
+    return Shape("whole part", data["whole:points"], data["whole:triangles"], colours, smooth=False)
+
+
+def _marks(tag: NDArray) -> NDArray:
+    """Rows that follow each other in different colours, so that marks are seen; 0: the blank."""
+    return np.where(tag < 0, 0, 1 + tag % 10)
+
+
+def _limits(data: dict[str, NDArray]) -> tuple[float, float]:
+    limit = float(data["whole:limit_um"])
+    return -limit, limit
+
+
+def draw_whole(data: dict[str, NDArray], _: dict[str, Any], canvas: Canvas) -> None:
+    """The whole part by operation, and by deviation where surfaces are intended."""
+    left, right = canvas.views(2)
+    points, triangles = data["whole:points"], data["whole:triangles"]
+    names, operation = [BLANK, *map(str, data["whole:names"])], data["whole:operation"] + 1
+    colours = [STEEL, *class_colours(len(names) - 1)]
+    for k, colour in enumerate(colours):
+        own = triangles[operation == k]
+        if len(own):
+            add_mesh(left, mesh(points, [own]), colour)
+    told = dict(zip(names[: _MOST_NAMES + 1], colours, strict=False))
+    foot = add_legend(left, told)
+    whole = mesh(points, [triangles], values={"deviation_um": data["whole:deviation_um"]})
+    limit = float(data["whole:limit_um"])
+    add_map(right, whole, "deviation_um", limit, missing=STEEL)
+    add_colours(right, limit, DEVIATION)
+    more = len(names) - 1 - _MOST_NAMES
+    by = "what made each face" + (f"; {more} more operations have the same colours again" if more > 0 else "")
+    aim_alike([
+        Look(left, points, WAY, UP, by, foot),
+        Look(right, points, WAY, UP, "deviation from the intended surfaces; steel: none is near", foot),
+    ])  # fmt: skip
