@@ -23,9 +23,11 @@ def memory_bytes() -> float:
 
 def require_room(rays: float, what: str, remedy: str) -> None:
     """Raise InputError where ``rays`` rays, made by ``what``, need more memory than there is."""
-    needed, there = RAY_BYTES * rays, memory_bytes()
+    require_bytes(RAY_BYTES * rays, f"{what} makes {rays:.3g} rays, which need", remedy)
+
+
+def require_bytes(needed: float, what_needs: str, remedy: str) -> None:
+    """Raise InputError where something needs more memory [bytes] than there is; ``what_needs`` ends in the verb."""
+    there = memory_bytes()
     if not needed <= there:
-        raise InputError(
-            f"{what} makes {rays:.3g} rays, which need about {1e-9 * needed:.3g} GB; this machine has "
-            f"{1e-9 * there:.3g} GB: {remedy}"
-        )
+        raise InputError(f"{what_needs} about {1e-9 * needed:.3g} GB; this machine has {1e-9 * there:.3g} GB: {remedy}")

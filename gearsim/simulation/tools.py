@@ -21,6 +21,7 @@ from gearsim.motion.segments import SegmentTable
 
 _ROUNDING = 4e-15
 _GROUP_TRAVEL = 0.6
+_WIDER = 1e-9  # normals of an arc beyond its own [rad]: a distance is off by half the square of it
 
 
 def cutter_data(cutters: Sequence[Profile], device: str) -> Cutters:
@@ -55,18 +56,51 @@ def ring_data(cutter: Profile, extent: float, device: str) -> Ring:
     It is made smaller by what coordinates up to ``extent`` [mm] are rounded to, so that a ray that lies in one
     of its planes misses cleanly.
     """
+    return _section(cutter, *_supports(cutter, _ROUNDING * (extent + cutter.reach)), extent, device)
+
+
+def section_data(part: Profile, extent: float, device: str) -> Ring:
+    """The same of a ring or a convex cutter, for points anywhere: none falls between two normals by rounding.
+
+    A convex cutter's points on the axis are sharp edges of its section, which goes on beyond the axis.
+    """
+    skin = _ROUNDING * (extent + part.reach)
+    lines, arcs = _supports(part, skin)
+    first, last = part.elements[0], part.elements[-1]
+    if not part.is_ring:
+        for end, (_, _, nr, nz, _) in (
+            (first.start, first.at(np.array(0.0))),
+            (last.end, last.at(np.array(last.length))),
+        ):
+            if nr > CORNER:
+                side = np.sign(nz) * nr
+                arcs.append([*end, -skin, float(side), float(nz), float(-side), float(nz)])
+    for arc in arcs:
+        for k, turned in ((3, -_WIDER), (5, _WIDER)):
+            arc[k], arc[k + 1] = arc[k] - turned * arc[k + 1], arc[k + 1] + turned * arc[k]
+    return _section(part, lines, arcs, extent, device)
+
+
+def _supports(cutter: Profile, skin: float) -> tuple[list[list[float]], list[list[float]]]:
+    """A section's lines and arcs as ``Ring`` has them, smaller by ``skin`` [mm]."""
     lines, arcs = [], []
-    skin = _ROUNDING * (extent + cutter.reach)
-    for e, after in joints(cutter.elements, ring=True):
+    around = joints(cutter.elements, cutter.is_ring)
+    for e, after in around if cutter.is_ring else [*around, (cutter.elements[-1], None)]:
         s = np.array([0.0, e.length])
         p, nr, nz = e.at(s), *e.at(s)[2:4]
         if e.is_arc:
             arcs.append([*e.centre, e.radius - skin, nr[0], nz[0], nr[1], nz[1]])
         else:
             lines.append([nr[0], nz[0], nr[0] * p.r[0] + nz[0] * p.z[0] - skin])
-        if turn(e, after) > CORNER:
+        if after and turn(e, after) > CORNER:
             other = after.at(np.array(0.0))
             arcs.append([*after.start, -skin, nr[1], nz[1], float(other.nr), float(other.nz)])
+    return lines, arcs
+
+
+def _section(
+    cutter: Profile, lines: list[list[float]], arcs: list[list[float]], extent: float, device: str
+) -> Ring:  # fmt: skip
     data = Ring()
     data.lines = wp.array(np.reshape(lines, (-1, 3)), dtype=wp.float64, device=device)
     data.arcs = wp.array(np.reshape(arcs, (-1, 7)), dtype=wp.float64, device=device)
