@@ -42,7 +42,7 @@ def fit_law(resolutions: Sequence[float], values: Sequence[float]) -> Law:
 class Level(NamedTuple):
     """One run of a method: its resolution, CPU time [s], largest error [mm], rays hit by it or by us alone."""
 
-    resolution: int
+    resolution: float
     seconds: float
     error: float
     lost: int

@@ -22,6 +22,7 @@ from gearsim.bench.program import program
 from gearsim.bench.removal import removal
 from gearsim.bench.scaling import scaling
 from gearsim.bench.scenes import scenes
+from gearsim.bench.stock import stock
 from gearsim.errors import InputError
 from gearsim.simulation.removal import device_name
 
@@ -32,7 +33,7 @@ SIZES = ("small", "large")
 SUITES: dict[str, Suite] = {
     "removal": removal, "envelope": envelope, "end-to-end": end_to_end, "goals": goals, "scaling": scaling,
     "peers": peers, "code": code, "program": program, "gouging": gouging,
-    "scenes": scenes,
+    "scenes": scenes, "stock": stock,
 }  # fmt: skip
 
 
