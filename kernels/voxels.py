@@ -53,32 +53,46 @@ def find_rows(
     # motion
     motion: Motion, bvh: wp.uint64,
     # in
-    lattice: Lattice, near: f64, tolerance: f64, begin: int, brick: wp.array(dtype=wp.vec3i),
+    lattice: Lattice, reach: f64, tolerance: f64, begin: int, brick: wp.array(dtype=wp.vec3i),
     first: wp.array(dtype=wp.int32), fill: int,
     # out
-    count_out: wp.array(dtype=wp.int32), row_out: wp.array(dtype=wp.int32), least_out: wp.array(dtype=f64),
-    status_out: wp.array(dtype=wp.int32),
+    nearest_out: wp.array(dtype=f64), count_out: wp.array(dtype=wp.int32), row_out: wp.array(dtype=wp.int32),
+    least_out: wp.array(dtype=f64), status_out: wp.array(dtype=wp.int32),
 ):  # fmt: skip
-    """The rows that pass within ``near`` of a brick's middle, and how near; first counted, then filled in."""
+    """The rows that may lower a distance in a brick, and how near each comes to its middle, to a coarse tolerance.
+
+    No node is farther than ``reach`` from there. First the nearest is found and the rows are counted, rather too many;
+    none where the tool swallows brick and band whole. Then they are filled in.
+    """
     i = begin + wp.tid()
     lowest = node_at(lattice, brick[i] * SIDE)
     half = lattice.spacing * (f64(0.5) * f64(SIDE - 1))
     centre = lowest + half
     grown = half + wp.vec3d(lattice.band, lattice.band, lattice.band)
     pad = wp.vec3(BOX_PAD, BOX_PAD, BOX_PAD)
+    near = lattice.band + reach
+    nearest = near
+    count = int(0)
+    if fill == 1:
+        nearest = nearest_out[i]
     query = wp.bvh_query_aabb(bvh, wp.vec3(centre - grown) - pad, wp.vec3(centre + grown) + pad)
     row = int(0)
-    count = int(0)
-    while wp.bvh_query_next(query, row):
-        found = pass_distance(ring, hollow, motion, row, centre, near, tolerance)
+    while nearest > -near and wp.bvh_query_next(query, row):
+        useful = wp.min(near, nearest + f64(2.0) * reach) + tolerance
+        found = pass_distance(ring, hollow, motion, row, centre, useful, tolerance)
         if found[1] > f64(0.0):
             status_out[i] = STATUS_NOT_CONVERGED
-        if found[0] < near:
-            if fill == 1:
+        if found[0] < useful:
+            if fill == 1 and count == first[i + 1] - first[i]:  # a search to a tolerance may turn out otherwise
+                status_out[i] = STATUS_NOT_CONVERGED
+                count -= 1
+            elif fill == 1:
                 row_out[first[i] + count] = row
-                least_out[first[i] + count] = found[0]
+                least_out[first[i] + count] = found[0] - tolerance
+            nearest = wp.min(nearest, found[0])
             count += 1
-    count_out[i] = count
+    nearest_out[i] = nearest
+    count_out[i] = wp.where(nearest > -near, count, 0)
 
 
 @wp.kernel

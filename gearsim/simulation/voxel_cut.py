@@ -110,46 +110,34 @@ class _Cut:
         return brick[np.all((high >= self.box[0]) & (low <= self.box[1]), axis=1)]
 
     def _cut(self, brick: NDArray) -> _Tile:
-        first, row, least, nearest = self._rows(brick)
-        air = nearest <= -self.before.band - self.reach
-        cut = (np.diff(first) > 0) & ~air
-        kept = np.repeat(cut, np.diff(first))
-        count = np.diff(first)[cut]
+        air, first, row, least = self._rows(brick)
+        cut = np.diff(first) > 0
         values = self._values(brick[cut])
-        first = np.concatenate([[0], np.cumsum(count)])
-        self._cut_nodes(brick[cut], values, first, row[kept], least[kept])
+        self._cut_nodes(brick[cut], values, first[np.append(cut, True)], row, least)
         return _Tile(brick[air], brick[cut], values)
 
     def _rows(self, brick: NDArray) -> tuple[NDArray, NDArray, NDArray, NDArray]:
-        """Per brick (CSR) the rows that may lower a distance in it, nearest first, what each is at least from its
-        middle, and the nearest."""
-        n = len(brick)
-        first, row, least = self._near(brick)
-        owner, nearest = np.repeat(np.arange(n), np.diff(first)), np.full(n, np.inf)
-        np.minimum.at(nearest, owner, least)
-        least = least - self.coarse
-        useful = least - self.reach < nearest[owner] + self.reach
-        owner, row, least = owner[useful], row[useful], least[useful]
-        order = np.lexsort((row, least, owner))
-        return np.cumsum([0, *np.bincount(owner, minlength=n)]), row[order], least[order], nearest
-
-    def _near(self, brick: NDArray) -> tuple[NDArray, NDArray, NDArray]:
-        """Per brick (CSR) the rows near enough to change it, and their distances from its middle to a coarse tolerance.
-
-        They are counted first, then written down.
-        """
-        n = len(brick)
-        place, first = self._array(brick, wp.vec3i), np.zeros(n + 1, dtype=np.int64)
+        """Which bricks are nothing but air now; per other brick (CSR) the rows that may lower a distance in it, nearest
+        first, and what each is at least from its middle."""
+        n, place = len(brick), self._array(brick, wp.vec3i)
+        nearest = wp.empty(n, dtype=wp.float64, device=self.device)
         count, status = (wp.zeros(n, dtype=wp.int32, device=self.device) for _ in range(2))
-        given = [*self.tool, self.bvh.id, self.lattice, self.before.band + self.reach, self.coarse]
+        given = [*self.tool, self.bvh.id, self.lattice, self.reach, self.coarse]
+        room = np.zeros(n + 1, dtype=int)
         for fill in (0, 1):
-            row = wp.empty(int(first[-1]), dtype=wp.int32, device=self.device)
-            least = wp.empty(int(first[-1]), dtype=wp.float64, device=self.device)
-            lists = [place, self._array(first, wp.int32), fill]
-            self._launch(kernels.find_rows, n, 1, given, lists, [count, row, least, status])
-            first = np.cumsum([0, *count.numpy()])
+            row = wp.empty(int(room[-1]), dtype=wp.int32, device=self.device)
+            least = wp.empty(int(room[-1]), dtype=wp.float64, device=self.device)
+            lists, found = [place, self._array(room, wp.int32), fill], [nearest, count, row, least, status]
+            self._launch(kernels.find_rows, n, 1, given, lists, found)
+            if fill == 0:
+                room = np.cumsum([0, *count.numpy()])
         _require_trust(status.numpy())
-        return first, row.numpy(), least.numpy()
+        owner = np.repeat(np.arange(n), count.numpy())
+        first = np.cumsum([0, *count.numpy()])
+        filled = room[owner] + np.arange(len(owner)) - first[owner]
+        rows, distances = row.numpy()[filled], least.numpy()[filled]
+        order = np.lexsort((rows, distances, owner))
+        return nearest.numpy() <= -self.before.band - self.reach, first, rows[order], distances[order]
 
     def _values(self, brick: NDArray) -> NDArray:
         """The bricks' distances before the cut."""
