@@ -99,9 +99,10 @@ def certain_shares(d: Corners, spacing: wp.vec3d, error: f64) -> wp.vec2d:
     outer = f64(0.5) * wp.length(part) + error
     least = int(0)
     most = int(0)
-    for i in range(SPLIT):
-        for j in range(SPLIT):
-            for k in range(SPLIT):
+    split = int(SPLIT)  # a variable, so that the loops are not unrolled
+    for i in range(split):
+        for j in range(split):
+            for k in range(split):
                 middle = wp.cw_mul(part, wp.vec3d(f64(i) + f64(0.5), f64(j) + f64(0.5), f64(k) + f64(0.5)))
                 inside = f64(1.0e30)
                 outside = f64(-1.0e30)

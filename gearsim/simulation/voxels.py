@@ -1,9 +1,9 @@
 """A sparse grid of signed distances: the stock's second representation, for volumes, queries and booleans.
 
 Nodes are the cell centres of a DexelBox and some beyond, in bricks of 8 x 8 x 8; bricks are kept where a surface is
-within a ``band``, sorted by place, and found by a directory of one integer for each brick there could be. (Warp's
-NanoVDB volumes hold float64 and are made on the CPU too, but take places in float32 and compile for a minute; the
-directory costs 1/128 byte a node, less than a thousandth of the bricks, and nothing to look up.)
+within a ``band``, sorted by place, and found by a directory of one integer for each brick there could be, which is
+1/128 byte a node. (Warp's NanoVDB volumes are made on the CPU too and may hold float64, but take places in float32:
+half a thousandth of a voxel at the ten-thousandth; a value costs 27 ns there, 20 ns here.)
 
 What a node's number says. A cut makes the stock's distance d the larger of itself and minus the least distance of the
 passing tool. Where there is material that is exact: the nearest surface is the nearest of what bounds it. In air it

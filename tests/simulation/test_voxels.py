@@ -245,10 +245,23 @@ def mesh_volume(manifold3d, facets):
     return (block - swept).volume(), 6.0 * pi * (1.0 - np.cos(pi / facets))
 
 
+def sides_along(dexels, axis, stock):
+    """Which side the middles of a bundle's stretches are on by the voxels, where they tell, and by the rays."""
+    rays, left = dexels.box.rays(axis), dexels.left[axis]
+    ray, middle = left.ray, 0.5 * (left.lo + left.hi)
+    beyond = left.hi + 0.3 * stock.box.pitch
+    at = [rays.origin[ray] + tau[:, None] * rays.direction[ray] for tau in (middle, beyond)]
+    told = stock.side(np.concatenate(at))
+    assert np.count_nonzero(told == -1) > 0.9 * len(ray)
+    known = np.repeat([-1, 1], len(ray))
+    return told, np.where(told == 0, 0, known)
+
+
 def test_dexels_voxels_and_a_mesh_boolean_agree_within_their_bounds():
     manifold3d = pytest.importorskip("manifold3d")
     operations, _ = CUTS["ball along a line"]
-    voxels = voxel_volume(cut_voxels(blank_voxels(box_about(BLOCK, 0.1), BLOCK), operations))
+    stock = cut_voxels(blank_voxels(box_about(BLOCK, 0.1), BLOCK), operations)
+    voxels = voxel_volume(stock)
     dexels = cut_stock(blank_stock(box_about(BLOCK, 0.1), BLOCK), operations, Workshop("cpu"))
     mesh, mesh_bound = mesh_volume(manifold3d, 128)
     # a ray stands for its cell: it is off only where the outline or a rim crosses that, by its whole length
@@ -256,5 +269,6 @@ def test_dexels_voxels_and_a_mesh_boolean_agree_within_their_bounds():
     for axis in AXES:
         assert abs(dexels.volumes[axis] - mesh) <= dexel_bound + mesh_bound
         assert abs(dexels.volumes[axis] - voxels.value) <= dexel_bound + voxels.bound
+        assert np.array_equal(*sides_along(dexels, axis, stock))
     assert abs(voxels.value - mesh) <= voxels.bound + mesh_bound
     assert voxels.least - mesh_bound <= mesh <= voxels.most + mesh_bound
