@@ -32,7 +32,7 @@ from gearsim.simulation.voxels import (
     settled,
 )
 
-_TILE = 1 << 13  # bricks whose rows are listed at a time
+_TILE = 1 << 11  # bricks whose rows are listed at a time: in a long program tens of thousands each
 _SLICE = 32  # bricks of one launch on the CPU
 _LEAST_TOLERANCE = 1e-9
 

@@ -16,8 +16,10 @@ from gearsim.simulation.voxels import MATERIAL, SIDE, VoxelStock
 
 
 class VoxelVolume(NamedTuple):
-    """``value`` [mm³] is of second order in the spacing; it certainly lies between ``least`` and ``most``, whose
-    distance is of first order: about the surface times half the spacing."""
+    """The best estimate ``value`` [mm³], of second order in the spacing, and what the volume is certainly between.
+
+    ``least`` and ``most`` are of first order: each about half a spacing, on the whole surface, from the value.
+    """
 
     value: float
     least: float
