@@ -14,7 +14,7 @@ from gearsim.metrology.closest import signed_distance
 from gearsim.metrology.findings import Finding, stock_out_of_tolerance, through_material
 from gearsim.metrology.inspection import Machine, Reading, Steps
 from gearsim.metrology.samples import SampleGrid, sample_grid
-from gearsim.simulation.contour.surface import Contour
+from gearsim.simulation.contour.surface import Contour, at_vertices
 from gearsim.simulation.dexels import DexelBox
 from gearsim.simulation.operation import Operation, turned_copies
 from gearsim.simulation.sequence import Machined, Machining, in_sequence
@@ -72,7 +72,8 @@ class SurfaceFigures(NamedTuple):
 class StockMeasurement:
     """A whole blank machined: its volumes [mm³] by bundle before, the stock and its surface after, what was found.
 
-    ``deviation`` [mm] of each of the contour's vertices from what is intended near it, nan where nothing is.
+    ``deviation`` [mm] at each of the contour's vertices, by the ends of material around it, from what is intended near
+    them; nan where nothing is.
     """
 
     variant: str
@@ -128,7 +129,7 @@ class StockInspection:
         findings += [] if self.told else list(self._rapids(machined, job))
         measured = StockMeasurement(
             self.variant, machined.stock, machined.contour, machined.blank_volumes, self.blank.volume,
-            self._deviation(job, machined.contour.mesh.points), figures, tuple(surfaces),
+            at_vertices(machined.contour, self._deviation(job, machined.contour.hit)), figures, tuple(surfaces),
             None if self.intended is None else self.intended.tolerance,
         )  # fmt: skip
         if self.intended is None:

@@ -28,10 +28,13 @@ class Contour:
     are its walls and gaps that lie between two nodes, which no mesh of the nodes shows. ``bound`` [mm³]: the two
     volumes differ by less (half a cell for every end, one for every cell with a vertex, what is unseen, and what
     vertices add that left their cells); it falls as the pitch does. ``apart``: crossed edges on which the bundles do
-    not agree.
+    not agree. ``hit``, shape (k, 3) [mm]: the ends of material that the surface goes through or by, ``of`` each
+    triangle which of them, shape (m,). Vertices lie off a curved surface, hits do not.
     """
 
     mesh: TriangleMesh
+    hit: NDArray[np.floating]
+    of: NDArray[np.integer]
     volume: float
     unseen: float
     bound: float
@@ -57,7 +60,7 @@ def contour(stock: Stock, normals: Normals) -> Contour:
     skin = close(topology, leaves, way, at, *_cells(box, topology))
     triangles = skin.triangles if np.linalg.det(box.frame.rotation) > 0.0 else skin.triangles[:, ::-1]
     mesh = TriangleMesh(box.frame.point(skin.points), triangles, at.tag[skin.quad])
-    return _judged(box, left[2], runs, mesh, len(topology.cells), skin.beyond, at)
+    return _judged(box, left[2], runs, mesh, skin.quad, len(topology.cells), skin.beyond, at)
 
 
 def _joined(found: Sequence[Hits]) -> Hits:
@@ -73,11 +76,22 @@ def _cells(box: DexelBox, topology: Quads) -> tuple[NDArray, NDArray]:
 
 
 def _judged(
-    box: DexelBox, material: IntervalSet, runs: Columns, mesh: TriangleMesh, cells: int, beyond: float, at: Hits
+    box: DexelBox, material: IntervalSet, runs: Columns, mesh: TriangleMesh, of: NDArray, cells: int, beyond: float,
+    at: Hits,
 ) -> Contour:  # fmt: skip
     area = box.cell_area(2)
     cell = area * float(box.upper[2] - box.lower[2]) / float(box.counts[2])
     unseen = area * (runs.walls + runs.gaps)
     bound = cell * (cells + len(runs.column)) + unseen + beyond
     volume = area * float((material.hi - material.lo).sum())
-    return Contour(mesh, volume, unseen, bound, int(np.count_nonzero(~at.normal.any(axis=1))))
+    apart = int(np.count_nonzero(~at.normal.any(axis=1)))
+    return Contour(mesh, box.frame.point(at.point), of, volume, unseen, bound, apart)
+
+
+def at_vertices(found: Contour, values: NDArray) -> NDArray:
+    """Of values at hits, shape (k,), the mean at each vertex of those of its triangles, (n,); nan counts nowhere."""
+    own = np.repeat(values[found.of], 3)
+    known, corner = np.isfinite(own), found.mesh.triangles.ravel()
+    count = np.bincount(corner[known], minlength=len(found.mesh.points))
+    total = np.bincount(corner[known], weights=own[known], minlength=len(found.mesh.points))
+    return np.where(count > 0, total / np.maximum(count, 1), np.nan)
