@@ -1,16 +1,16 @@
 """The removal road against closed forms and against a search that shares no code with it."""
 
-from dataclasses import fields
+from dataclasses import fields, replace
 from math import radians
 
 import numpy as np
 import pytest
 
-from gearsim.cutters.catalogue import apt, conical
+from gearsim.cutters.catalogue import apt, conical, flat
 from gearsim.envelope.swept import Swept
 from gearsim.errors import InputError, NumericalError, Status
 from gearsim.geometry.rays import RayBundle
-from gearsim.motion.segments import SegmentTable, compile_motion
+from gearsim.motion.segments import SegmentTable, compile_motion, join
 from gearsim.motion.sources import CLMotion
 from gearsim.simulation import removal
 from gearsim.simulation.removal import Job, cut, cut_jobs
@@ -170,6 +170,29 @@ def test_every_which_row_first_removes_the_same(device, rng, monkeypatch):
         assert np.array_equal(at_once.first, first.first)
         assert np.allclose(at_once.lo, first.lo, atol=2e-9, rtol=0.0)
         assert np.allclose(at_once.hi, first.hi, atol=2e-9, rtol=0.0)
+
+
+def test_a_gap_that_a_first_look_does_not_decide_is_told_though_a_later_row_cuts_all(device, monkeypatch):
+    """Of nine rows, so near each other that they are looked at in turn, the first and the last come before all.
+
+    The first runs 40 mm along y and down in an arc, 2 pm into a wall that the ray lies in. The chords at its poses
+    overlap so little, and its way bends so much, that it takes more looks than are allowed to see that they make one
+    stretch. The last takes all of that, so that the first is then passed over as cut. The others miss the ray.
+    """
+    tool = flat(600.0, 400.0)
+    ramp, beside, over_all = (
+        compile_motion(straight(start, end), tool.reach)
+        for start, end in (([0, -20, 0], [0, 20, 0]), ([-5, 0, 0], [-5, 1, 0]), ([50, 0, 0], [50, 1, 0]))
+    )
+    tip = ramp.tip.copy()
+    tip[0, 2, 2] = -4.0
+    ramp = replace(ramp, tip=tip, speed=np.hypot(ramp.speed, 8.0), acceleration=ramp.acceleration + 8.0)
+    table = join([ramp, *[beside] * (removal._COARSE_STEP - 1), over_all])
+    ray = bundle([300.0 - 2e-9, 0.0, 100.0], [0.0, 1.0, 0.0])
+    monkeypatch.setattr(removal, "_COARSE_FROM", len(table))
+    for rows, status in (([0], Status.GAP_UNDECIDED), (range(1, len(table)), Status.OK)):
+        assert cut(ray, table.part(np.array(rows)), tool, device=device).status == status
+    assert cut(ray, table, tool, device=device).status == Status.GAP_UNDECIDED
 
 
 @pytest.mark.parametrize("coarse_from", [10**9, 3])
