@@ -2,6 +2,7 @@
 
 import json
 from contextlib import suppress
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -42,6 +43,16 @@ def test_weights_flip_and_name_may_be_left_out():
     (surface,) = parse_surfaces(json.dumps({"units": "mm", "surfaces": [entry]}), "text")
     assert (surface.weights == 1.0).all()
     assert not surface.flip
+
+
+def test_the_net_that_the_documents_show_is_the_trough_it_says():
+    shown = (Path(__file__).parents[2] / "docs" / "data.md").read_text("utf-8").split("```json\n")[1].split("```")[0]
+    (trough,) = parse_surfaces(shown, "data.md")
+    u, v = np.random.default_rng(0).uniform(0.0, 1.0, (2, 50))
+    axis = np.array([20.0, 0.0, 20.0])
+    jet, inward = trough.jet(u, v), (axis - trough.at(u, v)) * [1.0, 0.0, 1.0]
+    assert np.allclose(np.linalg.norm(inward, axis=1), 20.0)
+    assert np.allclose(jet.normal, inward / 20.0)
 
 
 @pytest.mark.parametrize(
