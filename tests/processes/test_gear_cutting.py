@@ -13,24 +13,23 @@ from gearsim.metrology.inspection import perform
 from gearsim.processes.gear_budget import disturbed_operations, first_space
 from gearsim.processes.run import plan
 from gearsim.programs.post_options import PostOptions
-from gearsim.scene import load_scene
 from gearsim.simulation.disturbance import Disturbance
 from gearsim.simulation.operation import Variant
 from gearsim.simulation.workshop import Workshop
 from gearsim.surfaces.cylindrical_gear import SIDES, flank_sign
 from gearsim.toolpaths.cylindrical.posting import as_printed, planned, posted, with_tip_control
+from tests.processes.gears import gear_scene
 
 SCENES = ("spur-external", "helical-external", "spur-internal", "helical-internal")
 NONE = Disturbance()
-FEW = ("metrology.spaces=1", "metrology.points=15", "toolpath.finishing.axial_step_mm=2.5")
 
 
 class Work:
-    """A gear scene planned, and what its tests ask of it."""
+    """A gear scene planned, but for its budget, and what its tests ask of it."""
 
     def __init__(self, name, *overrides):
-        scene, folder = load_scene(name, (*FEW, *overrides))
-        self.job = plan(scene, folder)
+        scene = gear_scene(*overrides, of=name)
+        self.job = plan(scene)
         self.probing = next(i for i in self.job.inspections if isinstance(i, GearProbing))
         self.probed, self.gear = self.probing.probed, scene.gear()
         self.machine, self.finishing = scene.controller(), scene.finishing()
@@ -169,7 +168,7 @@ def test_the_tip_of_the_tool_keeps_its_feed(job):
 def test_a_program_of_the_users_own_is_cut_instead(tmp_path):
     job = gear_job("spur-external")
     (tmp_path / "own.nc").write_text(job.text, encoding="ascii")
-    scene, _ = load_scene("spur-external", (*FEW, "program.file=own.nc"))
+    scene = gear_scene("program.file=own.nc")
     own = plan(scene, tmp_path).variant("program").operations
     for ours, theirs in zip(own, job.job.variant("program").operations, strict=True):
         assert np.array_equal(ours.table.tip, theirs.table.tip)
@@ -187,10 +186,10 @@ def test_a_program_of_the_users_own_is_cut_instead(tmp_path):
 
 
 def test_a_tool_too_thick_is_refused():
-    scene, folder = load_scene("spur-external", FEW)
+    scene = gear_scene()
     thick = scene.tools[0].model_copy(update={"diameter_mm": 16.0})
     with pytest.raises(InputError, match="tool of 16 mm"):
-        plan(scene.model_copy(update={"tools": (thick,)}), folder)
+        plan(scene.model_copy(update={"tools": (thick,)}))
 
 
 @pytest.mark.parametrize("name", ["spur-external", "helical-internal"])

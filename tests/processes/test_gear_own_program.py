@@ -8,21 +8,18 @@ from gearsim.metrology.gear_reach import ReachInspection
 from gearsim.metrology.program_times import ProgramInspection
 from gearsim.processes.run import plan
 from gearsim.scene import check_scene, load_scene, scene_table, scene_text
-
-FEW = ("metrology.spaces=1", "metrology.points=15", "toolpath.finishing.axial_step_mm=2.5")
+from tests.processes.gears import gear_scene
 
 
 @pytest.fixture(scope="module")
 def text():
-    scene, folder = load_scene("spur-external", FEW)
-    return plan(scene, folder).files["program.nc"]
+    return plan(gear_scene()).files["program.nc"]
 
 
 def own(text, folder, *overrides):
     """The blocks of a program, written into the folder, as the job cuts them."""
     (folder / "own.nc").write_text(text, encoding="ascii")
-    scene, _ = load_scene("spur-external", (*FEW, "program.file=own.nc", *overrides))
-    job = plan(scene, folder)
+    job = plan(gear_scene("program.file=own.nc", *overrides), folder)
     return next(i.program.blocks for i in job.inspections if isinstance(i, ProgramInspection))
 
 
@@ -145,13 +142,12 @@ def test_three_operations_are_cut_with_their_own_tools_whatever_the_comments_say
     head, tail = tables.split("[[tools]]")
     tail = tail[tail.index("# Further operations") :]
     (tmp_path / "three.toml").write_text(f"tools = [{tools}]\n{head}{tail}")
-    scene, _ = load_scene(tmp_path / "three.toml", (*FEW, *coarse, *used))
-    planned = plan(scene, tmp_path)
+    planned = plan(gear_scene(*coarse, *used, of=tmp_path / "three.toml"), tmp_path)
     text = planned.files["program.nc"]
     assert [line[:2] for line in text.splitlines() if "M06" in line] == ["T3", "T1", "T2"]
     text = text.replace("M30", "(FINISHING, THE OTHER TEETH)\nN90 (THE REST)\nM30")
     (tmp_path / "own.nc").write_text(changed(text, "G21 G17", "(FURTHER)\nN5 (COMMENTS)\nG21 G17"))
-    scene, _ = load_scene(tmp_path / "three.toml", (*FEW, *coarse, *used, "program.file=own.nc"))
+    scene = gear_scene(*coarse, *used, "program.file=own.nc", of=tmp_path / "three.toml")
     mine, theirs = (job.variant("program").operations for job in (plan(scene, tmp_path), planned))
     assert {o.name: 2.0 * o.cutter.max_radius for o in mine} == {"T1": 3.0, "T2": 3.175, "T3": 2.5}
     assert [o.table.tip.shape for o in mine] == [o.table.tip.shape for o in theirs]
@@ -161,8 +157,7 @@ def test_three_operations_are_cut_with_their_own_tools_whatever_the_comments_say
 def own_tools(text, folder, finishing):
     """The job of a program cut with T1 and T2, the second thicker, where one of them is said to finish."""
     (folder / "own.nc").write_text(text, encoding="ascii")
-    scene, _ = load_scene("spur-external", (*FEW, "program.file=own.nc"))
-    tables = scene_table(scene)
+    tables = scene_table(gear_scene("program.file=own.nc"))
     tables["toolpath"]["finishing"]["tool"] = finishing
     tables["tools"] = [tables["tools"][0], tables["tools"][0] | {"number": 2, "diameter_mm": 4.0}]
     return plan(check_scene(tables, "s"), folder)
