@@ -101,10 +101,10 @@ def poses(table: SegmentTable, x: np.ndarray):
 
 
 def distance_along(cutter, table, x, origin, direction, tau):
-    """Signed distance of ray points (..., tau) to the cutter at one pose."""
-    tip, axis = (a[0] for a in poses(table, x))
+    """Signed distance of each ray's point ``tau`` to the cutter at one pose, or each at its own."""
+    tip, axis = poses(table, x)
     q = origin + tau[..., None] * direction - tip
-    z = q @ axis
+    z = (q * axis).sum(axis=-1)
     return cutter.signed_distance(np.linalg.norm(q - z[..., None] * axis, axis=-1), z)
 
 
@@ -128,6 +128,13 @@ def least_along(cutter, table, x, origin, direction, lo=-60.0, hi=60.0):
         f1, f2 = (distance_along(cutter, table, x, origin, direction, t) for t in (x1, x2))
         a, b = np.where(f1 < f2, a, x1), np.where(f1 < f2, x2, b)
     return distance_along(cutter, table, x, origin, direction, 0.5 * (a + b))
+
+
+def least_over(cutter, table, x, origin, direction, lo, hi):
+    """The least of that over several poses."""
+    each = np.repeat(x, len(origin))
+    origin, direction = (np.tile(v, (len(x), 1)) for v in (origin, direction))
+    return least_along(cutter, table, each, origin, direction, lo, hi).reshape(len(x), -1).min(axis=0)
 
 
 def arrays(device, *values):
@@ -177,10 +184,7 @@ def test_no_pose_is_nearer_than_the_bound(turn, travel, device, rng):
         inputs += arrays(device, origin, direction)
         wp.launch(bound_kernel, dim=400, inputs=inputs, outputs=[hits, least], device=device)
         free = hits.numpy() == 0
-        true = np.min(
-            [least_along(cutter, table, x, origin[free], direction[free], -4.0, 3.0) for x in np.linspace(-1, 1, 21)],
-            axis=0,
-        )
+        true = least_over(cutter, table, np.linspace(-1, 1, 21), origin[free], direction[free], -4.0, 3.0)
         assert np.all(least.numpy()[free] <= true + 1e-9)
         total += np.count_nonzero(least.numpy()[free] > 0.0)
     assert total > 100
@@ -196,13 +200,11 @@ def test_a_pose_is_found_wherever_one_hits(turn, travel, device, rng):
         inputs = [cutter_data([cutter], device), motion_data(table, device), wp.vec2d(-4.0, 3.0)]
         inputs += arrays(device, origin, direction)
         wp.launch(find_kernel, dim=300, inputs=inputs, outputs=[outcome, x], device=device)
-        scan = [least_along(cutter, table, t, origin, direction, -4.0, 3.0) for t in np.linspace(-1, 1, 41)]
-        true = np.min(scan, axis=0)
+        true = least_over(cutter, table, np.linspace(-1, 1, 41), origin, direction, -4.0, 3.0)
         assert np.all(outcome.numpy()[true < -1e-12] == HIT)
         assert np.all(outcome.numpy() != LOST)
-        for i in np.flatnonzero(outcome.numpy() == HIT):
-            pose = least_along(cutter, table, x.numpy()[i], origin[i : i + 1], direction[i : i + 1], -4.0, 3.0)
-            assert pose[0] <= 1e-12
+        hit = outcome.numpy() == HIT
+        assert np.all(least_along(cutter, table, x.numpy()[hit], origin[hit], direction[hit], -4.0, 3.0) <= 1e-12)
         found += np.count_nonzero((outcome.numpy() == HIT) & (true > -0.1))
     assert found > 20
 
