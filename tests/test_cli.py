@@ -41,14 +41,15 @@ def test_a_scene_within_tolerance_ends_with_0_and_the_figures(tmp_path, capsys):
 
 
 def test_the_published_scene_ends_with_1_and_the_finding(tmp_path, capsys):
-    assert run("run", "spiral-bevel-flank-zhou", "--out", tmp_path, *QUICK) == 1
+    assert run("run", "spiral-bevel-flank-zhou", "--no-pictures", "--out", tmp_path, *QUICK) == 1
     out = capsys.readouterr().out
     assert "FAILS cross_cut" in out
     assert "-11" in out
 
 
 def test_a_tolerance_out_of_reach_fails(tmp_path):
-    assert run("run", "spiral-bevel-flank", "--out", tmp_path, *QUICK, "--set", "metrology.tolerance_um=0.01") == 1
+    tight = ("--set", "metrology.tolerance_um=0.01")
+    assert run("run", "spiral-bevel-flank", "--no-pictures", "--out", tmp_path, *QUICK, *tight) == 1
 
 
 @pytest.mark.parametrize(
@@ -180,7 +181,8 @@ def test_a_users_cl_file_is_cut_and_measured(own_scene, tmp_path, capsys):
 
 def test_a_cl_file_without_pass_names_is_one_pass_for_both_flanks(own_scene, tmp_path):
     scene = own_scene(lambda text: text.replace("PPRINT PASS convex", "").replace("PPRINT PASS concave", ""))
-    assert run("run", scene, "--out", tmp_path / "out", *QUICK_FILE, "--set", "metrology.tolerance_um=20") == 0
+    options = (*QUICK_FILE, "--no-pictures", "--set", "metrology.tolerance_um=20")
+    assert run("run", scene, "--out", tmp_path / "out", *options) == 0
 
 
 def findings(folder):
@@ -197,7 +199,7 @@ def test_passes_that_end_half_way_leave_uncut_samples_and_fail(own_scene, tmp_pa
 
 
 def test_rapid_moves_through_material_are_found(own_scene, tmp_path):
-    assert run("run", own_scene(retract=2.0), "--out", tmp_path / "out", *QUICK_FILE) == 1
+    assert run("run", own_scene(retract=2.0), "--no-pictures", "--out", tmp_path / "out", *QUICK_FILE) == 1
     _, found = findings(tmp_path / "out")
     assert found["rapid_cut"]["fails"]
 
