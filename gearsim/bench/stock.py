@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any, NamedTuple
 
+from gearsim.bench.stock_positions import positions
 from gearsim.bench.stock_rows import COLUMNS
 from gearsim.bench.stock_same_part import same_part
 
@@ -16,11 +17,11 @@ class Section(NamedTuple):
     notes: list[str]
 
 
-SECTIONS: tuple[Callable[[str, str], tuple[list[dict[str, Any]], list[str]]], ...] = (same_part,)
+SECTIONS: tuple[Callable[[str, str], tuple[list[dict[str, Any]], list[str]]], ...] = (positions, same_part)
 
 
 def stock(device: str, size: str) -> dict[str, Any]:
-    """One part at one error by three representations: time and memory."""
+    """A block's tool positions a second, and one part at one error by three representations: time and memory."""
     done = [Section(*section(device, size)) for section in SECTIONS]
     rows, notes = [row for s in done for row in s.rows], [note for s in done for note in s.notes]
     return {"columns": list(COLUMNS), "rows": rows, "notes": notes}

@@ -133,7 +133,7 @@ def block_path(share: float, over: float = 0.0) -> CLMotion:
     Ten levels, zigzag lines 1 mm apart, ``over`` [mm] beyond every side; from point to point the tip rises or
     sinks and the axis, within 15 degrees of the block's z, turns.
     """
-    length, width, height = _block(share)
+    length, width, height = block_size(share)
     length, width = length + 2.0 * over, width + 2.0 * over
     lines = max(1, round(width / STEPOVER))
     points = max(2, 1 + round(length * width / (BLOCK[0] * BLOCK[1]) * BLOCK_SEGMENTS / (LEVELS * lines)))
@@ -150,13 +150,14 @@ def _axes(tilt: NDArray, turn: NDArray) -> NDArray:
     return np.stack([np.sin(tilt) * np.cos(turn), np.sin(tilt) * np.sin(turn), np.cos(tilt)], axis=1)
 
 
-def _block(share: float) -> tuple[float, float, float]:
+def block_size(share: float) -> tuple[float, float, float]:
+    """Length, width and height [mm] of a share of the block, full height."""
     return BLOCK[0] * share**0.5, BLOCK[1] * share**0.5, BLOCK[2]
 
 
 def block_rays(share: float, pitch: float) -> RayBundle:
     """The tri-dexel of a share of the block, full height: its three bundles in one."""
-    box = DexelBox(Rigid(np.eye(3), np.zeros(3)), np.zeros(3), np.array(_block(share)), pitch)
+    box = DexelBox(Rigid(np.eye(3), np.zeros(3)), np.zeros(3), np.array(block_size(share)), pitch)
     return join_rays([box.rays(axis) for axis in range(3)])
 
 

@@ -133,11 +133,15 @@ class StockInspection:
             None if self.intended is None else self.intended.tolerance,
         )  # fmt: skip
         if self.intended is None:
-            return Reading((measured,), tuple(findings))
+            return Reading((measured,), tuple(findings), remarks=(self._said(),) if self.copies > 1 else ())
         doubts = (
             () if surfaces[-1].ends else ("no ray of the stock holds any material: nothing of the solid was judged",)
         )
         return Reading((measured,), tuple(findings), doubts, (SOLID,), (_BY_RAYS,))
+
+    def _said(self) -> str:
+        seen = f"at the ends of rays {self.box.pitch:g} mm apart, by one road"
+        return f"all {self.copies} spaces are cut by the same program, indexed; beside one they are judged {seen}"
 
     def _deviation(self, job: Job, points: NDArray) -> NDArray:
         """Signed distances of points from the intended surfaces or solid, whichever is the nearest."""

@@ -15,7 +15,7 @@ from gearsim.output.gear.draw import LIFT, gear_body, gear_limit, gear_ways
 from gearsim.output.interactive import interactive_view
 from gearsim.output.meshes import points_of, triangles_of, values_of
 from gearsim.output.shapes import Shape, Values
-from gearsim.output.whole_part import UP, WAY, whole_shape
+from gearsim.output.whole_part import looked_at, whole_shape
 
 DEVIATION = "deviation"
 _SEGMENT = "segment"  # of the program
@@ -30,7 +30,7 @@ def part_view(data: dict[str, NDArray], surfaces: dict[str, Any]) -> str:
     surfaces = {name: mesh for name, mesh in surfaces.items() if mesh.GetNumberOfPolys()}
     whole = [whole_shape(data)] if "whole:points" in data and len(data["whole:triangles"]) else []
     if not surfaces:
-        return interactive_view(whole, "The part in 3D", [_SIGN], WAY, UP) if whole else ""
+        return interactive_view(whole, "The part in 3D", [_SIGN], *looked_at(data)) if whole else ""
     um = np.concatenate([values_of(mesh, "deviation_um") for mesh in surfaces.values()])
     limit, span = colour_limit(data, um)
     lift = LIFT if "section:edges" in data else 0.0
@@ -39,7 +39,7 @@ def part_view(data: dict[str, NDArray], surfaces: dict[str, Any]) -> str:
         shapes = [replace(shape, shown=shape is shapes[0]) for shape in shapes]
     if whole:  # the patches lie in it, and are shown when they are asked for
         shapes = [*whole, *(replace(shape, shown=False) for shape in shapes)]
-    way, up = (WAY, UP) if whole else _first_look(data, surfaces)
+    way, up = looked_at(data) if whole else _first_look(data, surfaces)
     return interactive_view(shapes, "The part in 3D", [f"{_SIGN} {span[:1].upper()}{span[1:]}."], way, up)
 
 

@@ -101,7 +101,7 @@ def _section(m: StockMeasurement) -> str:
         f"## The whole part\n\nThe blank ({m.exact_blank_volume:.1f} mm³) by a tri-dexel of {told['rays']:,} rays, "
         f"{told['pitch_mm']:g} mm apart: {_three(m.blank_volumes)} mm³; left are {_three(m.stock.volumes)} mm³. The "
         f"three bundles' spread tells the grid's error. Its closed surface of {len(mesh.triangles):,} triangles holds "
-        f"{mesh.volume:.1f} mm³ (certain to {m.contour.bound:.0f}).\n\n" + table(head, rows)
+        f"{mesh.volume:.1f} mm³.\n\n" + table(head, rows)
     )
     if near:
         text += (
@@ -181,7 +181,7 @@ def _three(volumes: Sequence[float]) -> str:
 
 
 def _plain(x: float | None) -> str:
-    return "–" if x is None else f"{x:.1f}"
+    return "–" if x is None else f"{x:.3g}" if x < 100.0 else f"{x:.0f}"
 
 
 def _share(part: float | None, whole: float) -> str:

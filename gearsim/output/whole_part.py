@@ -14,7 +14,7 @@ from gearsim.output.shapes import Classes, Colouring, Shape, Values
 from gearsim.output.view import DEVIATION, STEEL, Look, add_colours, add_legend, aim_alike
 
 BLANK = "blank"
-WAY, UP = (0.55, -0.6, 0.6), (0.0, 0.0, 1.0)
+_WAY = np.array([0.55, -0.6, 0.75])
 _MOST_NAMES = 8  # of a legend
 
 
@@ -29,6 +29,15 @@ def whole_shape(data: dict[str, NDArray]) -> Shape:
         "tool mark": Classes(_marks(data["whole:tag"]), ("blank", *(f"row {k} of ten" for k in range(10)))),
     }
     return Shape("whole part", data["whole:points"], data["whole:triangles"], colours, smooth=False)
+
+
+def looked_at(data: dict[str, NDArray]) -> tuple[NDArray, NDArray]:
+    """The way to an eye that sees most of what was cut, and up."""
+    cut = data["whole:triangles"][data["whole:operation"] >= 0]
+    a, b, c = (data["whole:points"][cut[:, k]] for k in range(3))
+    above = float(np.cross(b - a, c - a)[:, 2].sum()) >= 0.0 if len(cut) else True
+    side = np.array([1.0, 1.0, 1.0 if above else -1.0])
+    return _WAY * side, np.array([0.0, 0.0, side[2]])
 
 
 def _marks(tag: NDArray) -> NDArray:
@@ -59,7 +68,8 @@ def draw_whole(data: dict[str, NDArray], _: dict[str, Any], canvas: Canvas) -> N
     add_colours(right, limit, DEVIATION)
     more = len(names) - 1 - _MOST_NAMES
     by = "what made each face" + (f"; {more} more operations have the same colours again" if more > 0 else "")
+    way, up = looked_at(data)
     aim_alike([
-        Look(left, points, WAY, UP, by, foot),
-        Look(right, points, WAY, UP, "deviation from the intended surfaces; steel: none is near", foot),
+        Look(left, points, way, up, by, foot),
+        Look(right, points, way, up, "deviation from the intended surfaces; steel: none is near", foot),
     ])  # fmt: skip

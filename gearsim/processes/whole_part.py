@@ -6,6 +6,7 @@ from dataclasses import replace
 
 from gearsim.errors import InputError
 from gearsim.metrology.job import Job
+from gearsim.metrology.other_spaces import SpacesInspection
 from gearsim.metrology.rapid_check import RapidInspection
 from gearsim.metrology.stock_check import StockInspection
 from gearsim.scene.stock import StockTable
@@ -30,4 +31,5 @@ def with_stock(job: Job, table: StockTable) -> Job:
     copies = spaces if table.spaces == "all" else 1
     box = whole_box(blank, table.pitch_mm)
     asked = StockInspection(job.main, blank, box, copies, spaces, table.rapid_mm_min, told)
-    return replace(job, inspections=(*job.inspections, asked))
+    kept = (i for i in job.inspections if copies == 1 or not isinstance(i, SpacesInspection))  # the stock sees them all
+    return replace(job, inspections=(*kept, asked))

@@ -88,7 +88,7 @@ def in_sequence(variant: Variant) -> tuple[Operation, ...]:
         operation = variant.operations[owner[run[0]]]
         part = operation.part(row[run])
         heading = operation.headings[section[run[0]]] if operation.headings else ""
-        found.append(replace(part, name=f"{operation.name}, {heading}" if heading else operation.name))
+        found.append(replace(part, name=heading or operation.name))
     return tuple(found)
 
 

@@ -5,7 +5,7 @@ import json
 import numpy as np
 import pytest
 
-from gearsim.bench import stock_same_part, suites
+from gearsim.bench import stock_positions, stock_same_part, suites
 from gearsim.bench.stock_rows import COLUMNS, against, stock_row
 from gearsim.geometry.rigid import Rigid
 from gearsim.geometry.solid import Block
@@ -18,6 +18,8 @@ from gearsim.simulation.stock import blank_stock
 def tiny(monkeypatch):
     size = stock_same_part.Size((12, 4), (1.0, 2.0), (1.0, 2.0), (8, 12))
     monkeypatch.setattr(stock_same_part, "SIZES", {"small": size})
+    monkeypatch.setattr(stock_positions, "SHARE", {"small": 0.002})
+    monkeypatch.setattr(stock_positions, "GROWTH_SHARE", 0.002)
 
 
 def test_three_representations_stand_side_by_side(tiny, capsys):
@@ -36,6 +38,14 @@ def test_three_representations_stand_side_by_side(tiny, capsys):
     print_bench(report)
     assert "manifold3d hulls" in capsys.readouterr().out
     json.dumps(report)
+
+
+def test_positions_growth_and_bytes_of_a_block(tiny):
+    rows, notes = stock_positions.positions("cpu", "small")
+    units = ["positions/s", "positions/s by", "exponent", "exponent", "bytes a ray"]
+    assert all(row["unit"].startswith(unit) for row, unit in zip(rows, units, strict=True))
+    assert rows[-1]["figure"] == pytest.approx(32.0, abs=0.1)
+    assert len(notes) == 1
 
 
 def test_a_peer_that_is_missing_says_how_to_get_it(tiny, monkeypatch):
