@@ -129,7 +129,7 @@ class StockInspection:
         findings += [] if self.told else list(self._rapids(machined, job))
         measured = StockMeasurement(
             self.variant, machined.stock, machined.contour, machined.blank_volumes, self.blank.volume,
-            at_vertices(machined.contour, self._deviation(job, machined.contour.hit)), figures, tuple(surfaces),
+            at_vertices(machined.contour, self._deviation(job, machined.contour)), figures, tuple(surfaces),
             None if self.intended is None else self.intended.tolerance,
         )  # fmt: skip
         if self.intended is None:
@@ -143,15 +143,17 @@ class StockInspection:
         seen = f"at the ends of rays {self.box.pitch:g} mm apart, by one road"
         return f"all {self.copies} spaces are cut by the same program, indexed; beside one they are judged {seen}"
 
-    def _deviation(self, job: Job, points: NDArray) -> NDArray:
-        """Signed distances of points from the intended surfaces or solid, whichever is the nearest."""
+    def _deviation(self, job: Job, found: Contour) -> NDArray:
+        """Signed distances of a contour's hits from the intended solid, or of those cut from the nearest surface."""
+        points = found.hit
         if self.intended is not None:
             distance = self.intended.signed_distance(points)
             return np.where(np.abs(distance) < _NEAR_MM, distance, np.nan)
-        out = np.full(len(points), np.nan)
+        cut, out = np.zeros(len(points), dtype=bool), np.full(len(points), np.nan)
+        cut[found.of[found.mesh.tag >= 0]] = True
         for intended in job.part.surfaces.values():
             close, distance = _near(sample_grid(intended.patch, _ROWS, _COLUMNS, 0.0), points, self.spaces)
-            nearer = ~(np.abs(out[close]) <= np.abs(distance))
+            nearer = cut[close] & ~(np.abs(out[close]) <= np.abs(distance))
             out[close[nearer]] = distance[nearer]
         return out
 

@@ -15,7 +15,7 @@ from gearsim.output.gear.draw import LIFT, gear_body, gear_limit, gear_ways
 from gearsim.output.interactive import interactive_view
 from gearsim.output.meshes import points_of, triangles_of, values_of
 from gearsim.output.shapes import Shape, Values
-from gearsim.output.whole_part import looked_at, whole_shape
+from gearsim.output.whole_part import looked_at, whole_shapes
 
 DEVIATION = "deviation"
 _SEGMENT = "segment"  # of the program
@@ -28,7 +28,7 @@ def part_view(data: dict[str, NDArray], surfaces: dict[str, Any]) -> str:
     Nothing where no patch has a face.
     """
     surfaces = {name: mesh for name, mesh in surfaces.items() if mesh.GetNumberOfPolys()}
-    whole = [whole_shape(data)] if "whole:points" in data and len(data["whole:triangles"]) else []
+    whole = whole_shapes(data) if "whole:points" in data else []
     if not surfaces:
         return interactive_view(whole, "The part in 3D", [_SIGN], *looked_at(data)) if whole else ""
     um = np.concatenate([values_of(mesh, "deviation_um") for mesh in surfaces.values()])

@@ -147,7 +147,7 @@ def layers(result: Result, found: Sequence[StockMeasurement]) -> dict[str, NDArr
         "whole:tag": mesh.tag,
         "whole:operation": m.stock.operation_of(mesh.tag),
         "whole:names": np.array(names),
-        "whole:tools": np.array([f"{name}: {cutter}" for name, cutter in zip(names, cutters, strict=True)]),
+        "whole:tools": np.array(cutters),
         "whole:deviation_um": 1e3 * m.deviation,
         "whole:limit_um": np.array(min(ends, default=10.0)),
     }

@@ -18,17 +18,24 @@ _WAY = np.array([0.55, -0.6, 0.75])
 _MOST_NAMES = 8  # of a legend
 
 
-def whole_shape(data: dict[str, NDArray]) -> Shape:
-    """The part's surface with all that it can be coloured by."""
-    operation = data["whole:operation"] + 1
-    names = (BLANK, *map(str, data["whole:names"]))
-    colours: dict[str, Colouring] = {
-        "deviation": Values(data["whole:deviation_um"], *_limits(data), "µm"),
-        "operation": Classes(operation, names),
-        "tool": Classes(operation, (BLANK, *map(str, data["whole:tools"]))),
-        "tool mark": Classes(_marks(data["whole:tag"]), ("blank", *(f"row {k} of ten" for k in range(10)))),
-    }
-    return Shape("whole part", data["whole:points"], data["whole:triangles"], colours, smooth=False)
+def whole_shapes(data: dict[str, NDArray]) -> list[Shape]:
+    """The part's faces near intended surfaces, and all others, with what they can be coloured by."""
+    near = np.isfinite(data["whole:deviation_um"])[data["whole:triangles"]].all(axis=1)
+    parts = (("whole part, measured faces", near), ("whole part, other faces", ~near))
+    return [_shape(data, name, chosen) for name, chosen in parts if chosen.any()]
+
+
+def _shape(data: dict[str, NDArray], name: str, chosen: NDArray) -> Shape:
+    used, triangles = np.unique(data["whole:triangles"][chosen], return_inverse=True)
+    operation = data["whole:operation"][chosen] + 1
+    colours: dict[str, Colouring] = {}
+    value, limit = data["whole:deviation_um"][used], float(data["whole:limit_um"])
+    if np.isfinite(value).all():
+        colours["deviation"] = Values(value, -limit, limit, "µm")
+    colours["operation"] = Classes(operation, (BLANK, *map(str, data["whole:names"])))
+    colours["tool"] = Classes(operation, (BLANK, *map(str, data["whole:tools"])))
+    colours["tool mark"] = Classes(_marks(data["whole:tag"][chosen]), (BLANK, *(f"row {k} of ten" for k in range(10))))
+    return Shape(name, data["whole:points"][used], triangles.reshape(-1, 3), colours, smooth=False)
 
 
 def looked_at(data: dict[str, NDArray]) -> tuple[NDArray, NDArray]:
@@ -43,11 +50,6 @@ def looked_at(data: dict[str, NDArray]) -> tuple[NDArray, NDArray]:
 def _marks(tag: NDArray) -> NDArray:
     """Rows that follow each other in different colours, so that marks are seen; 0: the blank."""
     return np.where(tag < 0, 0, 1 + tag % 10)
-
-
-def _limits(data: dict[str, NDArray]) -> tuple[float, float]:
-    limit = float(data["whole:limit_um"])
-    return -limit, limit
 
 
 def draw_whole(data: dict[str, NDArray], _: dict[str, Any], canvas: Canvas) -> None:
