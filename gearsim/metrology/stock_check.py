@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gearsim.geometry.solid import Solid
+from gearsim.geometry.wedge import Wedge
 from gearsim.metrology.closest import signed_distance
 from gearsim.metrology.findings import Finding, stock_out_of_tolerance, through_material
 from gearsim.metrology.inspection import Machine, Reading, Steps
@@ -73,7 +74,7 @@ class StockMeasurement:
     """A whole blank machined: its volumes [mm³] by bundle before, the stock and its surface after, what was found.
 
     ``deviation`` [mm] at each of the contour's vertices, by the ends of material around it, from what is intended near
-    them; nan where nothing is.
+    them; nan where nothing is. ``sectors``: of how many alike ones the blank is one; 1: it is whole.
     """
 
     variant: str
@@ -85,6 +86,7 @@ class StockMeasurement:
     operations: tuple[OperationFigures, ...]
     surfaces: tuple[SurfaceFigures, ...]
     solid_tolerance: Tolerance | None = None
+    sectors: int = 1
     surface: str = ""
     inspection: str = "stock"
 
@@ -131,6 +133,7 @@ class StockInspection:
             self.variant, machined.stock, machined.contour, machined.blank_volumes, self.blank.volume,
             at_vertices(machined.contour, self._deviation(job, machined.contour)), figures, tuple(surfaces),
             None if self.intended is None else self.intended.tolerance,
+            self.copies if isinstance(self.blank, Wedge) else 1,
         )  # fmt: skip
         if self.intended is None:
             return Reading((measured,), tuple(findings), remarks=(self._said(),) if self.copies > 1 else ())
@@ -140,8 +143,9 @@ class StockInspection:
         return Reading((measured,), tuple(findings), doubts, (SOLID,), (_BY_RAYS,))
 
     def _said(self) -> str:
+        which = "one sector of them is" if isinstance(self.blank, Wedge) else "beside one they are"
         seen = f"at the ends of rays {self.box.pitch:g} mm apart, by one road"
-        return f"all {self.copies} spaces are cut by the same program, indexed; beside one they are judged {seen}"
+        return f"all {self.copies} spaces are cut by the same program, indexed; {which} judged {seen}"
 
     def _deviation(self, job: Job, found: Contour) -> NDArray:
         """Signed distances of a contour's hits from the intended solid, or of those cut from the nearest surface."""

@@ -34,6 +34,7 @@ def figures(m: StockMeasurement) -> dict[str, Any]:
     rays, intervals = (sum(n) for n in zip(*((len(k.first) - 1, len(k.lo)) for k in m.stock.left), strict=True))
     return {
         "pitch_mm": m.stock.box.pitch,
+        "sectors": m.sectors,
         "rays": rays,
         "intervals": intervals,
         "bytes_a_ray": m.stock.nbytes / rays,
@@ -98,7 +99,7 @@ def _section(m: StockMeasurement) -> str:
     ]
     mesh = m.contour.mesh
     text = (
-        f"## The whole part\n\nThe blank ({m.exact_blank_volume:.1f} mm³) by a tri-dexel of {told['rays']:,} rays, "
+        f"## The whole part\n\n{_of(m)} ({m.exact_blank_volume:.1f} mm³) by a tri-dexel of {told['rays']:,} rays, "
         f"{told['pitch_mm']:g} mm apart: {_three(m.blank_volumes)} mm³; left are {_three(m.stock.volumes)} mm³. The "
         f"three bundles' spread tells the grid's error. Its closed surface of {len(mesh.triangles):,} triangles holds "
         f"{mesh.volume:.1f} mm³.\n\n" + table(head, rows)
@@ -174,6 +175,10 @@ def _rows(number_: int, o: OperationFigures) -> dict[str, Column]:
 
 def _over(a: NDArray, b: NDArray) -> NDArray:
     return np.where(b > 0.0, a / np.where(b > 0.0, b, 1.0), np.nan)
+
+
+def _of(m: StockMeasurement) -> str:
+    return "The blank" if m.sectors == 1 else f"One of {m.sectors} alike sectors of the blank"
 
 
 def _three(volumes: Sequence[float]) -> str:

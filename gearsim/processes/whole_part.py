@@ -4,13 +4,21 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+import numpy as np
+
 from gearsim.errors import InputError
+from gearsim.geometry.rigid import frame
+from gearsim.geometry.solid import Solid
+from gearsim.geometry.turned import Turned
+from gearsim.geometry.wedge import Wedge
 from gearsim.metrology.job import Job
 from gearsim.metrology.other_spaces import SpacesInspection
 from gearsim.metrology.rapid_check import RapidInspection
 from gearsim.metrology.stock_check import StockInspection
 from gearsim.scene.stock import StockTable
+from gearsim.simulation.dexels import DexelBox
 from gearsim.simulation.sequence import whole_box
+from gearsim.surfaces.part import Part
 
 
 def with_stock(job: Job, table: StockTable) -> Job:
@@ -20,16 +28,37 @@ def with_stock(job: Job, table: StockTable) -> Job:
     """
     if not job.variants:
         raise InputError(f"stock: scene {job.name} cuts no part; remove the table")
-    blank = job.part.stock if table.blank is None else table.blank.build()
+    blank: Solid | None = job.part.stock if table.blank is None else table.blank.build()
     if blank is None:
         raise InputError('stock: this part has no blank of its own; give [stock.blank], for instance of kind = "block"')
-    bevel = next((s.patch.blank for s in job.part.surfaces.values()), None)
-    spaces = 1 if bevel is None else bevel.teeth
-    if table.spaces == "all" and spaces == 1:
-        raise InputError('stock.spaces = "all": only the program of one bevel gear\'s space is indexed; remove the key')
+    spaces = _spaces(job.part)
+    if table.spaces != "one" and spaces == 1:
+        raise InputError(
+            f'stock.spaces = "{table.spaces}": only the program of one bevel gear\'s space is indexed; remove the key'
+        )
+    if table.spaces == "sector":
+        blank, box = _sector(job.part, blank, spaces, table.pitch_mm)
+    else:
+        box = whole_box(blank, table.pitch_mm)
     told = any(isinstance(i, RapidInspection) and i.variant == job.main for i in job.inspections)
-    copies = spaces if table.spaces == "all" else 1
-    box = whole_box(blank, table.pitch_mm)
+    copies = 1 if table.spaces == "one" else spaces
     asked = StockInspection(job.main, blank, box, copies, spaces, table.rapid_mm_min, told)
     kept = (i for i in job.inspections if copies == 1 or not isinstance(i, SpacesInspection))  # the stock sees them all
     return replace(job, inspections=(*kept, asked))
+
+
+def _spaces(part: Part) -> int:
+    """How many spaces like the measured one there are, where one program of one space is known to cut each."""
+    bevel = next((s.patch.blank for s in part.surfaces.values()), None)
+    return 1 if bevel is None else bevel.teeth
+
+
+def _sector(part: Part, blank: Solid, spaces: int, pitch: float) -> tuple[Wedge, DexelBox]:
+    """One space's sector of a turned blank about the measured space's middle, and the box around it."""
+    if not isinstance(blank, Turned):
+        raise InputError('stock.spaces = "sector": a blank that is no body of revolution has no alike sectors')
+    patches = [s.patch for s in part.surfaces.values()]
+    middle = np.mean([p.jet(*p.locate(np.array([0.5]), np.array([0.5]))).r[0] for p in patches], axis=0)
+    wedge = Wedge(blank, float(np.arctan2(middle[1], middle[0])), np.pi / spaces)
+    along = np.array([np.cos(wedge.middle), np.sin(wedge.middle), 0.0])
+    return wedge, whole_box(wedge, pitch, frame(np.zeros(3), along, np.array([0.0, 0.0, 1.0])))

@@ -25,6 +25,7 @@ from gearsim.simulation.workshop import Workshop
 
 _LOOK_RAYS = 60_000
 _SEEN_MM = 1e-6
+_PART = Rigid(np.eye(3), np.zeros(3))
 
 
 @dataclass(frozen=True)
@@ -50,8 +51,8 @@ class Machined(NamedTuple):
     work: tuple[Work, ...]
 
 
-def whole_box(blank: Solid, pitch: float) -> DexelBox:
-    """A box around a whole blank, along the part's axes, one cell wider on every side.
+def whole_box(blank: Solid, pitch: float, frame: Rigid = _PART) -> DexelBox:
+    """A box around a whole blank, one cell wider on every side; ``frame``: where the blank's own box lies in the part.
 
     Raises InputError where its rays need more memory than there is.
     """
@@ -61,7 +62,7 @@ def whole_box(blank: Solid, pitch: float) -> DexelBox:
     require_room(rays, f"stock.pitch_mm = {pitch:g}", "raise stock.pitch_mm")
     if not np.all(upper - lower >= pitch):
         raise InputError(f"stock.pitch_mm = {pitch:g}: the blank is only {float((upper - lower).min()):.4g} mm wide")
-    return DexelBox(Rigid(np.eye(3), np.zeros(3)), lower - pitch, upper + pitch, pitch)
+    return DexelBox(frame, lower - pitch, upper + pitch, pitch)
 
 
 def ray_count(box: DexelBox) -> int:

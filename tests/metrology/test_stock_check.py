@@ -91,10 +91,10 @@ def test_the_whole_gear_says_of_its_flanks_what_the_normals_say():
         assert near[side].ends > 3000
         assert 1e3 * near[side].overcut > by_normals.min() - 0.2
         assert 1e3 * near[side].excess < by_normals.max() + 0.2
-    (told,) = found.operations
+    assert [o.name for o in found.operations] == ["convex", "concave"]
     alone = run("spiral-bevel-flank", overrides=(*SMALL, "stock.pitch_mm=1.5"))
-    one = alone.measurements["", "program", "stock"].operations[0]
-    assert np.mean(told.removed) == pytest.approx(33 * np.mean(one.removed), rel=0.03)
+    for told, one in zip(found.operations, alone.measurements["", "program", "stock"].operations, strict=True):
+        assert np.mean(told.removed) == pytest.approx(33 * np.mean(one.removed), rel=0.05)
     counted = estimate(*load_scene("spiral-bevel-flank", (*SMALL, *whole)))
     assert counted["rays"] == result.counts["rays"] - result.counts["following_rays"]
 
@@ -102,10 +102,9 @@ def test_the_whole_gear_says_of_its_flanks_what_the_normals_say():
 def test_copies_count_the_part_s_spaces():
     job = plan(*load_scene("spiral-bevel-flank", (*SMALL, "stock.pitch_mm=5", "stock.spaces='all'")))
     asked = next(i for i in job.inspections if isinstance(i, StockInspection))
-    (once,) = in_sequence(job.variant("program"))
-    (all_of_it,) = asked.operations(job)
-    assert len(all_of_it) == 33 * len(once)
-    assert len(turned_copies(once, 3)) == 3 * len(once)
+    once = in_sequence(job.variant("program"))
+    assert [len(o) for o in asked.operations(job)] == [33 * len(o) for o in once]
+    assert len(turned_copies(once[0], 3)) == 3 * len(once[0])
 
 
 def test_a_coarse_look_has_few_rays():
@@ -132,3 +131,24 @@ def test_a_coarse_look_has_few_rays():
 def test_stock_that_cannot_be_is_told(scene, overrides, message):
     with pytest.raises(InputError, match=message):
         plan(*load_scene(scene, overrides))
+
+
+def test_one_sector_stands_for_the_whole_gear():
+    """A sector's volume is that share of the whole; its ends say of the flanks what the whole's say."""
+    whole = run("spiral-bevel-flank", overrides=(*SMALL, "stock.pitch_mm=1.0", "stock.spaces='all'"))
+    one = run("spiral-bevel-flank", overrides=(*SMALL, "stock.pitch_mm=0.4", "stock.spaces='sector'"))
+    large, small = (r.measurements["", "program", "stock"] for r in (whole, one))
+    assert small.sectors == 33
+    assert small.exact_blank_volume == pytest.approx(large.exact_blank_volume / 33)
+    assert np.mean(small.stock.volumes) == pytest.approx(np.mean(large.stock.volumes) / 33, rel=5e-3)
+    assert small.contour.mesh.open_edges == 0
+    for a, b in zip(large.surfaces[:2], small.surfaces[:2], strict=True):
+        assert b.ends > 1000
+        assert (1e3 * a.overcut, 1e3 * a.excess) == pytest.approx((1e3 * b.overcut, 1e3 * b.excess), abs=0.15)
+    assert "one sector of them is judged at the ends of rays 0.4 mm apart" in one.headline
+
+
+def test_a_block_has_no_sectors():
+    block = ("stock.blank.kind='block'", "stock.blank.lower_mm=[-90,-90,0]", "stock.blank.upper_mm=[90,90,50]")
+    with pytest.raises(InputError, match="has no alike sectors"):
+        plan(*load_scene("spiral-bevel-flank", ("stock.pitch_mm=2", "stock.spaces='sector'", *block)))

@@ -9,6 +9,7 @@ from gearsim.errors import InputError
 from gearsim.geometry.rigid import Rigid
 from gearsim.geometry.solid import Block
 from gearsim.geometry.turned import Turned
+from gearsim.geometry.wedge import Wedge
 from gearsim.motion.sources import CLMotion
 from gearsim.simulation.dexels import DexelBox
 from gearsim.simulation.operation import operation, turned_copies
@@ -191,3 +192,21 @@ def test_faces_exactly_on_rays_leave_no_skin_and_no_gouge(shift, shop):
     assert np.allclose(top[~deep & clear], 10.0, atol=1e-12)
     beside = np.isclose(np.abs(x[z.ray] - 15.0), 2.0, atol=1e-6)
     assert np.all(np.isclose(top[beside], 5.0, atol=1e-8) | np.isclose(top[beside], 10.0, atol=1e-12))
+
+
+def test_every_sector_is_the_first_one_turned(shop):
+    """Five alike spaces: a sector's rays, turned into another sector, find the same material."""
+    ring = Turned(np.array([[4.0, 0.0], [12.0, 0.0], [12.0, 4.0], [4.0, 4.0]]))
+    once = line("space", ball(3.0, 30.0), (10.0, 1.0, -2.0), (10.0, 1.0, 7.0), axis=np.array([1.0, 0.0, 0.0]))
+    found = []
+    for k in (0, 3):
+        wedge = Wedge(ring, 0.3 + 0.4 * np.pi * k, 0.2 * np.pi)
+        c, s = np.cos(wedge.middle), np.sin(wedge.middle)
+        about = Rigid(np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]]), np.zeros(3))
+        lower, upper = wedge.box
+        box = DexelBox(about, lower - 0.31, upper + 0.29, 0.3)
+        found.append(cut_stock(blank_stock(box, wedge), [turned_copies(once, 5)], shop))
+    for a, b in zip(found[0].left, found[1].left, strict=True):
+        assert np.array_equal(a.first, b.first)
+        assert np.allclose(a.lo, b.lo, atol=3e-9)
+        assert np.allclose(a.hi, b.hi, atol=3e-9)
