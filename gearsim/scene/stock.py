@@ -71,9 +71,9 @@ AnyBlank = Annotated[BlockTable | CylinderTable | TurnedTable, Field(discriminat
 class StockTable(Table):
     """Table [stock]: a tri-dexel of the whole blank, cut by the scene's program; ``blank`` is the part's own if none.
 
-    ``spaces``: whether the program of one tooth space is run once, or indexed to all of them; ``sector``: to all, but of
-    the blank only one space's sector is looked at, since all are alike. ``rapid_mm_min``: the machine's rapid rate of
-    the tip over the part; without it rapids take no known time.
+    ``spaces``: whether the program of one tooth space is run once, or indexed to all; ``sector``: to all, but of the
+    blank only one space's sector is looked at, since all are alike. ``rapid_mm_min``: the machine's rapid rate of the
+    tip over the part; without it rapids take no known time.
     """
 
     pitch_mm: Length
