@@ -130,7 +130,7 @@ def test_every_sample_knows_the_line_that_made_it(folder, result):
             x, y, z = (float(word) for word in text[line - 1].removeprefix("GOTO/").split(",")[:3])
             end = operation.sources[operation.table.path[row]].tips[operation.table.piece[row] + 1]
             assert [x, y, z] == pytest.approx(end.tolist(), abs=1e-12)
-            assert name == f"CL data, motion {operation.table.path[row] + 1} of {len(operation.sources)}"
+            assert name == f"CL data, {operation.headings[operation.section[row]]}"
             checked += 1
     assert checked > 100
     assert any(a is not None and a == b for a, b in zip(own, lines, strict=True))

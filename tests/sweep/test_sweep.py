@@ -29,7 +29,7 @@ def test_changed_scenes_end_with_a_code_and_one_message(name, worker, tmp_path):
 @pytest.mark.parametrize(
     ("name", "place", "kind", "code"),
     [
-        ("flat-end-envelope", "cutter.diameter_mm", "a thousandfold", 3),  # no sample lies on the machined surface
+        ("apt-envelope", "metrology.judged", "one less", 3),  # a surface that is measured and not judged
         ("gouge-cases", "simulation", "deleted", 0),
     ],
 )
