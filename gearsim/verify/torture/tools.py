@@ -117,11 +117,9 @@ _DRAWS: dict[str, Callable[[Draw], dict[str, float]]] = {
         "radius": d.length(3.0, 12.0), "point_width": d.length(0.5, 2.0), "inner_angle": d.angle(5.0, 30.0),
         "outer_angle": d.angle(5.0, 30.0), "edge_radius": _edge(d, 0.4), "height": d.length(1.0, 3.0),
     },
-    "drill": lambda d: {
-        "diameter": d.length(0.5, 4.0), "point_angle": 2.0 * d.angle(30.0, 50.0), "height": d.length(4.0, 12.0)
-    },
 }  # fmt: skip
 KINDS = (*_DRAWS, "whole_cone", "needle")
+ALIKE = {"drill": "apt"}  # by another name: APT cutters without a corner are a cone under a cone, too
 RINGS = ("face_mill_head",)
 
 

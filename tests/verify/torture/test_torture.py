@@ -70,7 +70,8 @@ def test_heads_that_lost_slivers_lose_none():
 
 
 def test_every_cutter_of_the_catalogue_is_tried_in_every_size():
-    assert set(CUTTERS) <= set(tools.KINDS)
+    assert set(CUTTERS) <= {*tools.KINDS, *tools.ALIKE}
+    assert set(tools.ALIKE.values()) <= set(tools.KINDS)
     rng = np.random.default_rng(3)
     for kind in tools.KINDS:
         for size in (1e-3, 1.0, 1e3):
