@@ -15,6 +15,7 @@ from gearsim.metrology.closest import signed_distance
 from gearsim.metrology.findings import Finding, stock_out_of_tolerance, through_material
 from gearsim.metrology.inspection import Machine, Reading, Steps
 from gearsim.metrology.samples import SampleGrid, sample_grid
+from gearsim.metrology.solid_difference import difference
 from gearsim.simulation.contour.surface import Contour, at_vertices
 from gearsim.simulation.dexels import DexelBox
 from gearsim.simulation.operation import Operation, turned_copies
@@ -125,7 +126,7 @@ class StockInspection:
             surfaces.append(found)
             findings += list(_judged(found, intended.tolerance, job))
         if self.intended is not None:
-            found = beside_solid(self.intended, machined.stock)
+            found, doubts = beside_solid(self.intended, machined.stock)
             surfaces.append(found)
             findings += list(_judged(found, self.intended.tolerance, job))
         findings += [] if self.told else list(self._rapids(machined, job))
@@ -137,9 +138,6 @@ class StockInspection:
         )  # fmt: skip
         if self.intended is None:
             return Reading((measured,), tuple(findings), remarks=(self._said(),) if self.copies > 1 else ())
-        doubts = (
-            () if surfaces[-1].ends else ("no ray of the stock holds any material: nothing of the solid was judged",)
-        )
         return Reading((measured,), tuple(findings), doubts, (SOLID,), (_BY_RAYS,))
 
     def _said(self) -> str:
@@ -211,14 +209,30 @@ def _near(grid: SampleGrid, points: NDArray, spaces: int) -> tuple[NDArray, NDAr
     return close[near], distance[near]
 
 
-def beside_solid(intended: MachinedSolid, stock: Stock) -> SurfaceFigures:
-    """Signed distances of all of a stock's ends, those of the blank too, from an intended solid."""
-    points = np.concatenate([_ends(stock, axis, True) for axis in AXES])
+def beside_solid(intended: MachinedSolid, stock: Stock) -> tuple[SurfaceFigures, tuple[str, ...]]:
+    """Signed distances of all of a stock's ends, those of the blank too, from an intended solid; what forbids trust.
+
+    So are those of the middles of all stretches of its rays that only one of the two holds.
+    """
+    ends = np.concatenate([_ends(stock, axis, True) for axis in AXES])
+    middle, unseen = difference(intended, stock)
+    doubts: tuple[str, ...] = ()
+    if unseen:
+        lower, upper = intended.minus[unseen[0]].box
+        where = ", ".join(f"{x:.4g}" for x in 0.5 * (lower + upper))
+        doubts += (
+            f"no ray meets {len(unseen)} of {len(intended.minus)} shapes that surface.minus takes from the body, one "
+            f"about ({where}) mm: it lies off the body, or wants a finer stock.pitch_mm",
+        )
+    if not len(ends):
+        doubts += ("no ray of the stock holds any material: nothing of the solid was judged",)
+        return SurfaceFigures(SOLID, 0, np.nan, np.nan, np.full(3, np.nan), np.full(3, np.nan)), doubts
+    points = np.concatenate([ends, middle])
     distance = intended.signed_distance(points)
-    if not len(points):
-        return SurfaceFigures(SOLID, 0, np.nan, np.nan, np.full(3, np.nan), np.full(3, np.nan))
     low, high = int(np.argmin(distance)), int(np.argmax(distance))
-    return SurfaceFigures(SOLID, len(points), float(distance[low]), float(distance[high]), points[low], points[high])
+    return SurfaceFigures(
+        SOLID, len(ends), float(distance[low]), float(distance[high]), points[low], points[high]
+    ), doubts
 
 
 def _ends(stock: Stock, axis: int, blank: bool) -> NDArray:

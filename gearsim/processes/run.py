@@ -160,7 +160,7 @@ def run_job(
         status=status,
         counts={
             "rays": workshop.rays,
-            "following_rays": workshop.rays - planned_rays,
+            "following_rays": max(0, workshop.rays - planned_rays),  # fewer are cut where a killed run goes on
             "segments": job.rows(),
             "pairs": workshop.pairs,
             "candidates": workshop.candidates,

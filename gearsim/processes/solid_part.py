@@ -17,20 +17,22 @@ from gearsim.scene.solid_part import DrillTable, SolidScene
 from gearsim.simulation.operation import Operation, Variant, operation
 from gearsim.simulation.sequence import whole_box
 from gearsim.surfaces.part import Part
-from gearsim.toolpaths.straight import Move, drilled, milled
+from gearsim.toolpaths.counts import check_count
+from gearsim.toolpaths.straight import Move, drilled, from_above, milled
 
 FRAME = "part frame: the frame of [surface], the tool axis is +z"
 PROGRAM = "program"
 
 
 def plan(scene: SolidScene, folder: Path) -> Job:
-    """Lay the operations' paths; the tool goes by rapid from one to the next where both are clear of the blank."""
+    """Lay the operations' paths; the tool comes by rapid from the top of the blank and goes back there."""
     blank = scene.blank()
     table = scene.stock
-    whole = Variant(PROGRAM, "all operations in sequence", tuple(_operations(scene)))
-    asked = StockInspection(
-        PROGRAM, blank, whole_box(blank, table.pitch_mm), rapid_mm_min=table.rapid_mm_min, intended=scene.part()
-    )
+    top = float(blank.box[1][2])
+    whole = Variant(PROGRAM, "all operations in sequence", tuple(_operations(scene, top)))
+    intended = scene.part()
+    box = whole_box(blank, table.pitch_mm, others=[intended.body])
+    asked = StockInspection(PROGRAM, blank, box, rapid_mm_min=table.rapid_mm_min, intended=intended)
     return Job(
         name=scene.name,
         part=Part(FRAME, None, {}),
@@ -42,13 +44,16 @@ def plan(scene: SolidScene, folder: Path) -> Job:
     )
 
 
-def _operations(scene: SolidScene) -> Iterator[Operation]:
+def _operations(scene: SolidScene, top: float) -> Iterator[Operation]:
     cutters, holders, step = scene.cutters(), scene.holders(), 0
     for table in scene.operations:
         if isinstance(table, DrillTable):
+            if table.peck_mm is not None:
+                check_count(table.clear_mm - table.bottom_mm, table.peck_mm, what=f"{table.name}: peck_mm")
             moves = list(drilled(table.at_mm, table.clear_mm, table.bottom_mm, table.peck_mm))
         else:
             moves = list(milled(table.points_mm, table.clear_mm))
+        moves = list(from_above(moves, top))
         sources = [CLMotion(m.tips, np.tile([0.0, 0.0, 1.0], (len(m.tips), 1))) for m in moves]
         made = operation(
             table.name, cutters[table.tool], sources, scene.simulation.compile_tolerance_mm,

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Annotated, Literal
 
 import numpy as np
+from numpy.typing import NDArray
 from pydantic import Field, model_validator
 
 from gearsim.geometry.solid import Block, Solid
@@ -56,13 +57,31 @@ class TurnedTable(Table):
 
     @model_validator(mode="after")
     def _holds_an_area(self) -> TurnedTable:
-        r, z = np.array(self.outline_mm).T
+        corners = np.array(self.outline_mm)
+        after = np.roll(corners, -1, axis=0)
+        for i in np.flatnonzero((corners == after).all(axis=1)):
+            raise ValueError(f"outline_mm: corner {i + 1} of {len(corners)} is the next one too; name each once")
+        for i, j in _crossing(corners, after):
+            raise ValueError(f"outline_mm: it crosses itself, after corner {i + 1} and after corner {j + 1}")
+        r, z = corners.T
         if not abs(float(r @ np.roll(z, -1) - z @ np.roll(r, -1))) > 1e-12:
             raise ValueError("outline_mm: its corners enclose no area")
         return self
 
     def build(self) -> Solid:
         return Turned(np.array(self.outline_mm, dtype=float))
+
+
+def _crossing(start: NDArray, end: NDArray) -> NDArray:
+    """Pairs (n, 2) of edges of which each has its ends on both sides of the other."""
+    way = end - start
+
+    def side(points: NDArray) -> NDArray:
+        off = points - start[:, None]
+        return np.sign(way[:, None, 0] * off[..., 1] - way[:, None, 1] * off[..., 0])
+
+    parted = side(start) * side(end) < 0.0
+    return np.argwhere(np.triu(parted & parted.T))
 
 
 AnyBlank = Annotated[BlockTable | CylinderTable | TurnedTable, Field(discriminator="kind")]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import NamedTuple
 
@@ -14,7 +15,6 @@ from gearsim.geometry.solid import Solid
 from gearsim.simulation.checkpoints import Checkpoints, Kept
 from gearsim.simulation.contour.surface import Contour, contour
 from gearsim.simulation.dexels import DexelBox
-from gearsim.simulation.in_order import cut_in_order
 from gearsim.simulation.intervals import subtract
 from gearsim.simulation.normals import EndNormals
 from gearsim.simulation.operation import Operation, Variant
@@ -51,17 +51,20 @@ class Machined(NamedTuple):
     work: tuple[Work, ...]
 
 
-def whole_box(blank: Solid, pitch: float, frame: Rigid = _PART) -> DexelBox:
-    """A box around a whole blank, one cell wider on every side; ``frame``: where the blank's own box lies in the part.
+def whole_box(blank: Solid, pitch: float, frame: Rigid = _PART, others: Sequence[Solid] = ()) -> DexelBox:
+    """A box around a whole blank and ``others``, one cell wider on every side.
+
+    ``frame``: where the solids' own boxes lie in the part.
 
     Raises InputError where its rays need more memory than there is.
     """
-    lower, upper = (np.asarray(corner, dtype=float) for corner in blank.box)
+    corners = np.array([solid.box for solid in (blank, *others)], dtype=float)
+    lower, upper, narrowest = corners[:, 0].min(axis=0), corners[:, 1].max(axis=0), np.diff(corners[0], axis=0).min()
     cells = (upper - lower) / pitch + 2.0
     rays = sum(float(np.delete(cells, axis).prod()) for axis in AXES)
     require_room(rays, f"stock.pitch_mm = {pitch:g}", "raise stock.pitch_mm")
-    if not np.all(upper - lower >= pitch):
-        raise InputError(f"stock.pitch_mm = {pitch:g}: the blank is only {float((upper - lower).min()):.4g} mm wide")
+    if not narrowest >= pitch:
+        raise InputError(f"stock.pitch_mm = {pitch:g}: the blank is only {float(narrowest):.4g} mm wide")
     return DexelBox(frame, lower - pitch, upper + pitch, pitch)
 
 
@@ -118,23 +121,26 @@ def _looked_at(look: Stock, operation: Operation, workshop: Workshop) -> tuple[S
         return cut_stock(look, [operation], workshop), np.full(len(operation), np.nan)
     volume, left = np.zeros(len(operation)), []
     for axis, material in zip(AXES, look.left, strict=True):
-        taken = cut_in_order(
-            material_rays(look, axis), material, operation,
-            device=workshop.device, tolerance=workshop.tolerance, slots=workshop.slots,
-        )  # fmt: skip
+        taken = workshop.cut_in_order(material_rays(look, axis), material, operation)
         left.append(without(material, np.arange(len(material.first) - 1), taken.removed, look.next_tag))
         volume += look.box.cell_area(axis) * taken.length / len(AXES)
     return after(look, left, operation), volume
 
 
 def _rapid_touch(look: Stock, operation: Operation, volume: NDArray, workshop: Workshop) -> RapidTouch | None:
-    """The first rapid that takes what all rows before it have left of a coarse stock."""
-    touching = np.flatnonzero(operation.rapid & (volume > 0.0))
-    if not len(touching):
-        return None
-    row = int(touching[0])
-    before = operation.part(np.arange(row))
-    left = cut_stock(look, [before], workshop) if row else look
+    """The first rapid that takes what all rows before it have left of a coarse stock, more than rounding."""
+    done = 0
+    for row in np.flatnonzero(operation.rapid & (volume > 0.0)).tolist():
+        look = cut_stock(look, [operation.part(np.arange(done, row))], workshop) if row > done else look
+        done = row
+        touch = _touch(look, operation, row, workshop)
+        if touch.depth > _SEEN_MM:
+            return touch
+    return None
+
+
+def _touch(left: Stock, operation: Operation, row: int, workshop: Workshop) -> RapidTouch:
+    """Where a row goes through most of what is left, along a ray, and how far."""
     place, most = np.zeros(3), 0.0
     for axis, material in zip(AXES, left.left, strict=True):
         rays = material_rays(left, axis)
@@ -145,4 +151,4 @@ def _rapid_touch(look: Stock, operation: Operation, volume: NDArray, workshop: W
             i = int(np.argmax(length))
             most, middle = float(length[i]), 0.5 * (lost.lo[i] + lost.hi[i])
             place = rays.origin[lost.ray[i]] + middle * rays.direction[lost.ray[i]]
-    return RapidTouch(row, place, most) if most > _SEEN_MM else None
+    return RapidTouch(row, place, most)

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from gearsim.geometry.rays import RayBundle
 from gearsim.simulation.dexels import DexelBox
+from gearsim.simulation.in_order import Taken, cut_in_order
 from gearsim.simulation.intervals import IntervalSet, nothing, unite
 from gearsim.simulation.operation import Operation
 from gearsim.simulation.removal import Loaded, Removal
@@ -71,6 +72,17 @@ class Workshop:
         self.rays += len(left.first) - 1
         self.pairs += cutter.pairs - pairs
         return result
+
+    def cut_in_order(self, rays: RayBundle, material: IntervalSet, operation: Operation) -> Taken:
+        """What each of an operation's rows is the first to take, as ``simulation.in_order`` tells it."""
+        started = perf_counter()
+        taken = cut_in_order(
+            rays, material, operation, device=self.device, tolerance=self.tolerance, slots=self.slots
+        )  # fmt: skip
+        self.kernel_s += perf_counter() - started
+        self.rays += len(rays)
+        self.progress(len(rays))
+        return taken
 
     def _removed(self, asked: list[tuple[RayBundle, Operation]]) -> list[IntervalSet]:
         self._load([operation for _, operation in asked])

@@ -43,3 +43,16 @@ def milled(points: Sequence[tuple[float, float, float]], clear: float) -> Iterat
     yield Move(np.array([[x, y, clear], [x, y, z], *points[1:]]), False)
     x, y, z = points[-1]
     yield Move(np.array([[x, y, z], [x, y, clear]]), True)
+
+
+def from_above(moves: Sequence[Move], top: float) -> Iterator[Move]:
+    """Moves between a rapid down to their start and one up from their end, from and to ``top`` [mm] if that is higher.
+
+    Between them the tool is as high as the blank at least, so that nothing is in its way from one operation to another.
+    """
+    start, end = moves[0].tips[0], moves[-1].tips[-1]
+    if start[2] < top:
+        yield Move(np.array([[*start[:2], top], start]), True)
+    yield from moves
+    if end[2] < top:
+        yield Move(np.array([end, [*end[:2], top]]), True)

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from gearsim.errors import InputError
-from gearsim.processes.run import run
+from gearsim.processes.run import estimate, run
 from gearsim.scene import check_scene, load_scene, scene_table
 
 COARSE = ("stock.pitch_mm=1.0",)
@@ -17,6 +17,10 @@ def changed(change, pitch=1.0):
     tables["stock"]["pitch_mm"] = pitch
     change(tables)
     return run(check_scene(tables, "changed"))
+
+
+def turned(*corners):
+    return {"kind": "turned", "outline_mm": corners}
 
 
 def measured(result):
@@ -100,9 +104,69 @@ def test_rapids_that_begin_too_low_go_through_material():
         (lambda t: t["operations"][2].update(clear_mm=-3.0), "must be above all points"),
         (lambda t: t["stock"].pop("blank"), "stock.blank: missing"),
         (lambda t: t["tools"][1].update(number=1), "must differ"),
+        (lambda t: t["operations"][0].update(peck_mm=4e-9), "peck_mm of 4e-09 mm over 16 mm makes more than"),
+        (
+            lambda t: t["surface"].update(body=turned((0, 0), (9, 0), (9, 5), (9, 5), (0, 5))),
+            "corner 3 of 5 is the next",
+        ),
+        (lambda t: t["surface"].update(body=turned((0, 0), (9, 0), (0, 5), (0, 0))), "corner 4 of 4 is the next"),
+        (
+            lambda t: t["surface"].update(body=turned((9, 0), (2, 5), (9, 5), (2, 0))),
+            "after corner 1 and after corner 3",
+        ),
         (lambda t: t["tools"][0]["cutter"].update(point_angle_deg=180.0), "point_angle_deg"),
     ],
 )
 def test_what_cannot_be_is_told(change, message):
     with pytest.raises(InputError, match=message):
         changed(change)
+
+
+def parted(tables):
+    """A bar that a slot across it parts into two blocks."""
+    body = {"kind": "block", "lower_mm": (0.0, 0.0, -10.0), "upper_mm": (40.0, 20.0, 0.0)}
+    slot = {"kind": "block", "lower_mm": (18.0, -1.0, -11.0), "upper_mm": (22.0, 21.0, 5.0)}
+    tables["surface"].update(body=body, minus=[{"shape": slot}])
+    tables["stock"]["blank"] = dict(body)
+    tables["operations"] = [{**tables["operations"][2], "points_mm": ((20.0, -4.0, -11.0), (20.0, 24.0, -11.0))}]
+
+
+def test_a_piece_that_is_missing_as_a_whole_fails_though_no_end_lies_off_the_part():
+    def of_half_a_bar(tables):
+        parted(tables)
+        tables["stock"]["blank"]["upper_mm"] = (18.0, 20.0, 0.0)
+
+    assert changed(parted, 2.0).verdict == "pass"
+    result = changed(of_half_a_bar, 2.0)
+    (told,) = (f for f in result.findings if f.kind == "stock_out_of_tolerance")
+    assert (result.verdict, told.depth_um) == ("fail", pytest.approx(-5000.0))
+    assert told.place_mm[0] > 22.0
+
+
+@pytest.mark.parametrize("at", [(30.0, 12.0), (300.0, 12.0)], ids=["between rays", "off the body"])
+def test_a_hole_that_no_ray_meets_is_not_judged(at):
+    def change(tables):
+        shape = {"kind": "cylinder", "diameter_mm": 0.2, "bottom_mm": -20.0, "top_mm": 5.0}
+        tables["surface"]["minus"] = [*tables["surface"]["minus"], {"shape": shape, "at_mm": (at,)}]
+
+    result = changed(change)
+    assert result.verdict == "unchecked"
+    assert (
+        f"no ray meets 1 of 11 shapes that surface.minus takes from the body, one about ({at[0]:g}" in result.headline
+    )
+
+
+def test_an_operation_that_begins_within_the_blank_goes_there_by_rapid():
+    def change(tables):
+        tables["operations"][1].update(clear_mm=-2.0)
+        tables["operations"] = tables["operations"][1:2]
+
+    result = changed(change)
+    (told,) = (f for f in result.findings if f.kind == "rapid_cut")
+    assert told.fails
+    assert told.place_mm[2] > -2.0
+
+
+def test_the_rays_that_were_announced_are_those_that_are_cut():
+    scene, folder = load_scene("drill-grid", COARSE)
+    assert estimate(scene, folder)["rays"] == run("drill-grid", overrides=COARSE).counts["rays"]
