@@ -84,6 +84,12 @@ def stock_out_of_tolerance(part: Part, surface: str, place: NDArray, depth_um: f
     return _place("stock_out_of_tolerance", surface, _blank(part), place, depth_um, True, text)
 
 
+def beyond_the_blank(part: Part, surface: str, place: NDArray, depth_um: float) -> Finding:
+    """An intended surface that lies outside of what it is to be cut from."""
+    text = f"the blank does not hold the {surface} surface, and ends short of it"
+    return _place("beyond_the_blank", surface, _blank(part), place, depth_um, True, text)
+
+
 def _blank(part: Part) -> BevelBlank | None:
     return next((s.patch.blank for s in part.surfaces.values()), None)
 

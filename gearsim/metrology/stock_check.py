@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from gearsim.geometry.solid import Solid
 from gearsim.geometry.wedge import Wedge
+from gearsim.metrology.blank_check import outside
 from gearsim.metrology.closest import signed_distance
 from gearsim.metrology.findings import Finding, stock_out_of_tolerance, through_material
 from gearsim.metrology.inspection import Machine, Reading, Steps
@@ -121,10 +122,12 @@ class StockInspection:
         left = np.array([machined.blank_volumes, *(work.left for work in machined.work)])
         figures = tuple(map(self._figures, machined.work, -np.diff(left, axis=0)))
         surfaces, findings = [], []
-        for _name, intended in job.part.surfaces.items():
-            found = near_surface(sample_grid(intended.patch, _ROWS, _COLUMNS, _MARGIN), machined.stock, self.spaces)
+        for intended in job.part.surfaces.values():
+            grid = sample_grid(intended.patch, _ROWS, _COLUMNS, _MARGIN)
+            found = near_surface(grid, machined.stock, self.spaces)
             surfaces.append(found)
             findings += list(_judged(found, intended.tolerance, job))
+            findings += outside(grid, intended.tolerance, self.blank, self.copies, job.part)
         if self.intended is not None:
             found, doubts = beside_solid(self.intended, machined.stock)
             surfaces.append(found)
@@ -137,7 +140,8 @@ class StockInspection:
             self.copies if isinstance(self.blank, Wedge) else 1,
         )  # fmt: skip
         if self.intended is None:
-            return Reading((measured,), tuple(findings), remarks=(self._said(),) if self.copies > 1 else ())
+            doubts = _none_near(surfaces, job)
+            return Reading((measured,), tuple(findings), doubts, remarks=(self._said(),) if self.copies > 1 else ())
         return Reading((measured,), tuple(findings), doubts, (SOLID,), (_BY_RAYS,))
 
     def _said(self) -> str:
@@ -257,9 +261,18 @@ def _into_one_space(points: NDArray, grid: SampleGrid, spaces: int) -> NDArray:
     return np.stack([cos * x - sin * y, sin * x + cos * y, z], axis=1)
 
 
+def _none_near(surfaces: list[SurfaceFigures], job: Job) -> tuple[str, ...]:
+    """Why the whole part says nothing of the judged surfaces, if it does not."""
+    judged = [found for found in surfaces if job.part.surfaces[found.surface].tolerance is not None]
+    if not judged or any(found.ends for found in judged):
+        return ()
+    return ("no cut end of the whole part's rays lies near a judged surface; a finer stock.pitch_mm may find some",)
+
+
 def _judged(found: SurfaceFigures, tolerance: Tolerance | None, job: Job) -> Iterator[Finding]:
+    """The deepest cut and the most material left, where they are too much."""
     if tolerance is None or not found.ends:
         return
-    for value, place in ((found.overcut, found.overcut_place), (found.excess, found.excess_place)):
-        if not tolerance.allows(1e3 * value):
+    for value, place, sign in ((found.overcut, found.overcut_place, -1.0), (found.excess, found.excess_place, 1.0)):
+        if sign * value > 0.0 and not tolerance.allows(1e3 * value):
             yield stock_out_of_tolerance(job.part, found.surface, place, 1e3 * value)

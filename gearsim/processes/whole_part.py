@@ -40,7 +40,8 @@ def with_stock(job: Job, table: StockTable) -> Job:
         blank, box = _sector(job.part, blank, spaces, table.pitch_mm)
     else:
         box = whole_box(blank, table.pitch_mm)
-    told = any(isinstance(i, RapidInspection) and i.variant == job.main for i in job.inspections)
+    own = table.blank is None  # other inspections look at the part's own blank
+    told = own and any(isinstance(i, RapidInspection) and i.variant == job.main for i in job.inspections)
     copies = 1 if table.spaces == "one" else spaces
     asked = StockInspection(job.main, blank, box, copies, spaces, table.rapid_mm_min, told)
     kept = (i for i in job.inspections if copies == 1 or not isinstance(i, SpacesInspection))  # the stock sees them all
