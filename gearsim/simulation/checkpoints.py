@@ -20,7 +20,7 @@ from gearsim.simulation.stock import Stock
 from gearsim.simulation.stock_file import load_stock, save_stock
 from gearsim.simulation.work import RapidTouch, Work
 
-_FINE, _COARSE, _WORK = "stock.parquet", "look.parquet", "work-{:04}.npz"
+_FINE, _COARSE, _WORK = "stock-{:04}.parquet", "look-{:04}.parquet", "work-{:04}.npz"
 
 
 class Kept(NamedTuple):
@@ -45,12 +45,12 @@ class Checkpoints:
 
     def last(self) -> Kept | None:
         """What was kept last of this very job; None where nothing was."""
-        with suppress(InputError, OSError, ValueError, KeyError, BadZipFile):
-            stock, job = load_stock(self.folder / _FINE)
-            look, other = load_stock(self.folder / _COARSE)
-            count = len(stock.done)
-            if job == other == self._digest(count):
-                return Kept(stock, look, [self._work(k) for k in range(count)])
+        for count in range(len(self.operations), 0, -1):
+            with suppress(InputError, OSError, ValueError, KeyError, BadZipFile):
+                stock, job = load_stock(self.folder / _FINE.format(count))
+                look, other = load_stock(self.folder / _COARSE.format(count))
+                if job == other == self._digest(count):
+                    return Kept(stock, look, [self._work(k) for k in range(count)])
         return None
 
     def _work(self, k: int) -> Work:
@@ -61,7 +61,7 @@ class Checkpoints:
             return Work(self.operations[k], kept["volume"], (x, y, z), touch)
 
     def keep(self, kept: Kept) -> None:
-        """Keep what is there after an operation; only together do its files count.
+        """Keep what is there after an operation; only together do its files count, and till then those before stay.
 
         Raises InputError where the folder cannot be written.
         """
@@ -74,8 +74,10 @@ class Checkpoints:
         except OSError as error:
             raise InputError(f"{file}: cannot be written: {error.strerror or error}") from error
         digest = self._digest(count)
-        save_stock(kept.look, self.folder / _COARSE, digest)
-        save_stock(kept.stock, self.folder / _FINE, digest)
+        save_stock(kept.look, self.folder / _COARSE.format(count), digest)
+        save_stock(kept.stock, self.folder / _FINE.format(count), digest)
+        for name in (_FINE, _COARSE):
+            (self.folder / name.format(count - 1)).unlink(missing_ok=True)
 
     def _digest(self, count: int) -> str:
         """Of all that the stock after so many operations depends on."""

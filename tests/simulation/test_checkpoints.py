@@ -6,9 +6,11 @@ import pytest
 from gearsim.cutters.end_mills import ball, flat
 from gearsim.geometry.solid import Block
 from gearsim.motion.sources import CLMotion
-from gearsim.simulation import sequence
+from gearsim.simulation import checkpoints, sequence
+from gearsim.simulation.checkpoints import Checkpoints
 from gearsim.simulation.operation import operation
 from gearsim.simulation.sequence import Machining, machine, whole_box
+from gearsim.simulation.stock import blank_stock
 from gearsim.simulation.workshop import Workshop
 
 BLOCK = Block(np.zeros(3), np.array([30.0, 20.0, 10.0]))
@@ -60,6 +62,22 @@ def test_a_killed_run_loses_the_operation_under_way_alone(done, tmp_path, monkey
     again = machine(ASKED, Workshop("cpu", checkpoints=tmp_path))
     assert begun == [o.name for o in WORK[done:]]
     assert bits(again) == whole
+
+
+@pytest.mark.parametrize("file", ["look", "stock"])
+def test_a_kill_while_an_operation_s_files_are_written_leaves_those_of_the_one_before(file, tmp_path, monkeypatch):
+    def until(stock, path, job):
+        if path.name.startswith(file) and len(stock.done) == 3:
+            raise Killed
+        real(stock, path, job)
+
+    real = checkpoints.save_stock
+    monkeypatch.setattr(checkpoints, "save_stock", until)
+    with pytest.raises(Killed):
+        machine(ASKED, Workshop("cpu", checkpoints=tmp_path))
+    blank = blank_stock(ASKED.box, BLOCK)
+    kept = Checkpoints(tmp_path, blank, Workshop("cpu").tolerance, WORK).last()
+    assert [d.name for d in kept.stock.done] == ["slot", "rapid"]
 
 
 def test_what_another_job_kept_is_not_taken(tmp_path):
