@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
+from gearsim.metrology.stock_check import SOLID, StockMeasurement
 from gearsim.output.markdown import VIEW_MARK, findings, not_drawn, pictures, provenance, verdict
 from gearsim.output.presenters import SLOTS, collected
 from gearsim.result import Result
@@ -38,13 +39,20 @@ def _head(result: Result, figures: dict[str, Any]) -> str:
     summary = result.scene.get("scene", {}).get("summary", "")
     if not figures["counts"]["rays"] and result.verdict == "pass":
         return f"# {result.name}\n\n{summary}\n\n{verdict(figures)}.\n"
+    return (
+        f"# {result.name}\n\n{summary}\n\n{verdict(figures)}.\n\nTolerances: {_tolerances(result)}.\n\n"
+        "Deviation is measured along the outward normal of the intended surface: **positive is material left, "
+        "negative is overcut**.\n"
+    )
+
+
+def _tolerances(result: Result) -> str:
+    """Every tolerance, and what is held against it."""
     limits: dict[str, list[str]] = {}
     for name, surface in result.job.part.surfaces.items():
         if surface.tolerance is not None:
             limits.setdefault(surface.tolerance.text, []).append(name)
-    told = "; ".join(f"{', '.join(names)}: {text}" for text, names in limits.items()) or "no surface has a tolerance"
-    return (
-        f"# {result.name}\n\n{summary}\n\n{verdict(figures)}.\n\nTolerances: {told}.\n\n"
-        "Deviation is measured along the outward normal of the intended surface: **positive is material left, "
-        "negative is overcut**.\n"
-    )
+    for measured in result.measurements.values():
+        if isinstance(measured, StockMeasurement) and measured.solid_tolerance is not None:
+            limits.setdefault(measured.solid_tolerance.text, []).append(SOLID)
+    return "; ".join(f"{', '.join(names)}: {text}" for text, names in limits.items()) or "no surface has a tolerance"

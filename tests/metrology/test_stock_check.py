@@ -71,6 +71,13 @@ def test_a_rapid_through_material_fails_and_one_where_it_was_cut_before_does_not
     assert found.operations[0].seconds == pytest.approx([2.4])
 
 
+def test_a_rapid_that_grazes_by_rounding_hides_no_later_one():
+    ways = ((-5, 6, 10 - 5e-7), (35, 6, 10 - 5e-7), (35, 12, 20), (35, 12, 5), (-5, 12, 5))
+    _, hit = measured(line("across", flat(4.0, 30.0), *ways, rapid=True), rapid_mm_min=1000.0)
+    (told,) = hit.findings
+    assert told.text == "a rapid move of across goes through material, 30 mm of it along a ray"
+
+
 def test_a_program_is_cut_up_where_its_tool_changes():
     one, two = (
         line("one", flat(4.0, 30.0), (0, 0, 0), (1, 0, 0), (2, 0, 0)),

@@ -6,6 +6,8 @@ import numpy as np
 import pytest
 
 from gearsim.errors import InputError
+from gearsim.output.report import report_text
+from gearsim.output.summary import summary
 from gearsim.processes.run import estimate, run
 from gearsim.scene import check_scene, load_scene, scene_table
 
@@ -41,6 +43,7 @@ def test_the_plate_comes_out_as_it_is_meant():
     assert solid.ends > 5000
     assert -1e-6 < solid.overcut <= solid.excess < 1e-6
     assert "by one road only, at the ends of a tri-dexel's rays" in result.headline
+    assert "Tolerances: solid: ±0.1 µm." in report_text(result, summary(result) | {"not_drawn": []}, {}, [])
 
 
 def test_its_volume_converges_to_the_closed_form():
