@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gearsim.geometry.rays import RayBundle, join_rays
+from gearsim.geometry.solid import Solid
 from gearsim.metrology.chords import blank_rays, stock_chords
 from gearsim.metrology.findings import holder_cut
 from gearsim.metrology.grid import GridInspection
@@ -44,13 +45,15 @@ class Touch(NamedTuple):
 class HolderInspection:
     """Whether what stands above a variant's cutters touches material, seen on the rays of ``grids`` and of the stock.
 
-    ``box``: where the stock's rays lie close. Of surfaces without a stock the intended material counts. Less than a
-    micrometre on a ray does not: a shank as wide as its cutter rubs along the wall.
+    ``box``: where the stock's rays lie close. ``stock``: what it is cut from (None: the part's own). Of surfaces
+    without a stock the intended material counts. Less than a micrometre on a ray does not: a shank as wide as its
+    cutter rubs along the wall.
     """
 
     variant: str
     grids: tuple[GridInspection, ...]
     box: DexelBox | None = None
+    stock: Solid | None = None
     name: str = "holders"
 
     def steps(self, job: Job) -> Steps[Reading]:
@@ -61,14 +64,14 @@ class HolderInspection:
         doubts = () if complete else (f"holders come so close to the part that {_MOST} looks at them settled nothing",)
         if touch is None:
             return Reading((), (), doubts)
-        blank = next(iter(job.part.surfaces.values())).patch.blank
+        blank = next((s.patch.blank for s in job.part.surfaces.values()), None)
         line = int(touch.operation.line[touch.row])
         called = f"the holder of {touch.operation.name}" + (f" in the move of line {line}" if line else "")
         return Reading((), (holder_cut(blank, touch.place, touch.rays, called),), doubts)
 
     def _chords(self, job: Job) -> RayBundle:
         """Where there is material to begin with."""
-        rays, stock = [grid.grid(job).rays() for grid in self.grids], job.part.stock
+        rays, stock = [grid.grid(job).rays() for grid in self.grids], self.stock or job.part.stock
         if stock is None:
             return join_rays([replace(r, end=np.zeros(len(r))) for r in rays])
         box = [self.box.rays(axis) for axis in range(3)] if self.box else []

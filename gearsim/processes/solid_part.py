@@ -8,6 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
+from gearsim.metrology.holder_check import HolderInspection
 from gearsim.metrology.job import Job
 from gearsim.metrology.stock_check import StockInspection
 from gearsim.motion.sources import CLMotion
@@ -38,7 +39,7 @@ def plan(scene: SolidScene, folder: Path) -> Job:
         part=Part(FRAME, None, {}),
         variants=(whole,),
         main=PROGRAM,
-        inspections=(asked,),
+        inspections=(asked, HolderInspection(PROGRAM, (), box, blank)) if scene.holders() else (asked,),
         settings=settings(scene),
         scene=scene_table(scene),
     )

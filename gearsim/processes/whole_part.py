@@ -11,6 +11,7 @@ from gearsim.geometry.rigid import frame
 from gearsim.geometry.solid import Solid
 from gearsim.geometry.turned import Turned
 from gearsim.geometry.wedge import Wedge
+from gearsim.metrology.holder_check import HolderInspection
 from gearsim.metrology.job import Job
 from gearsim.metrology.other_spaces import SpacesInspection
 from gearsim.metrology.rapid_check import RapidInspection
@@ -31,7 +32,7 @@ def with_stock(job: Job, table: StockTable) -> Job:
     blank: Solid | None = job.part.stock if table.blank is None else table.blank.build()
     if blank is None:
         raise InputError('stock: this part has no blank of its own; give [stock.blank], for instance of kind = "block"')
-    spaces = _spaces(job.part)
+    whole, spaces = blank, _spaces(job.part)
     if table.spaces != "one" and spaces == 1:
         raise InputError(
             f'stock.spaces = "{table.spaces}": only the program of one bevel gear\'s space is indexed; remove the key'
@@ -40,11 +41,12 @@ def with_stock(job: Job, table: StockTable) -> Job:
         blank, box = _sector(job.part, blank, spaces, table.pitch_mm)
     else:
         box = whole_box(blank, table.pitch_mm)
-    own = table.blank is None  # other inspections look at the part's own blank
+    own = table.blank is None  # rapids are looked at in the part's own blank alone
     told = own and any(isinstance(i, RapidInspection) and i.variant == job.main for i in job.inspections)
     copies = 1 if table.spaces == "one" else spaces
     asked = StockInspection(job.main, blank, box, copies, spaces, table.rapid_mm_min, told)
-    kept = (i for i in job.inspections if copies == 1 or not isinstance(i, SpacesInspection))  # the stock sees them all
+    kept = [i for i in job.inspections if copies == 1 or not isinstance(i, SpacesInspection)]  # the stock sees them all
+    kept = [replace(i, stock=whole) if isinstance(i, HolderInspection) else i for i in kept]
     return replace(job, inspections=(*kept, asked))
 
 

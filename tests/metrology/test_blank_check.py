@@ -5,6 +5,7 @@ import pytest
 
 from gearsim.geometry.wedge import Wedge
 from gearsim.metrology.blank_check import outside
+from gearsim.metrology.holder_check import HolderInspection
 from gearsim.metrology.samples import sample_grid
 from gearsim.metrology.stock_check import StockInspection, SurfaceFigures, _judged, _none_near, near_surface
 from gearsim.processes.run import plan
@@ -64,3 +65,9 @@ def test_a_surface_that_is_too_low_all_over_is_told_once():
 @pytest.mark.parametrize(("overrides", "told"), [((), True), ((BAR,), False)], ids=["own", "bar"])
 def test_rapids_through_another_blank_are_told_by_the_stock_itself(overrides, told):
     assert planned(*overrides)[1].told == told
+
+
+def test_holders_are_looked_at_in_the_blank_that_is_given():
+    job, asked = planned(BAR, "holder.sections_mm=[[20.0, 20.0, 40.0]]")
+    (holders,) = (i for i in job.inspections if isinstance(i, HolderInspection))
+    assert holders.stock is asked.blank

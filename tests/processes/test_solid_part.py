@@ -173,3 +173,18 @@ def test_an_operation_that_begins_within_the_blank_goes_there_by_rapid():
 def test_the_rays_that_were_announced_are_those_that_are_cut():
     scene, folder = load_scene("drill-grid", COARSE)
     assert estimate(scene, folder)["rays"] == run("drill-grid", overrides=COARSE).counts["rays"]
+
+
+@pytest.mark.parametrize(("diameter", "verdict"), [(30.0, "fail"), (4.0, "pass")])
+def test_a_holder_is_held_against_what_stands(diameter, verdict):
+    """The first drill cuts 5 mm high; what is above it follows it into holes of 6 mm, 12 mm deep."""
+
+    def change(tables):
+        tables["tools"][0]["cutter"]["height_mm"] = 5.0
+        tables["tools"][0]["holder"] = {"sections_mm": ((diameter, diameter, 40.0),)}
+
+    result = changed(change)
+    told = [f.text for f in result.findings if f.kind == "holder_cut"]
+    assert result.verdict == verdict
+    assert len(told) == (verdict == "fail")
+    assert all("the holder of through holes touches material" in text for text in told)
