@@ -15,6 +15,7 @@ from gearsim.output.view import DEVIATION, STEEL, Look, add_colours, add_legend,
 
 BLANK = "blank"
 _WAY = np.array([0.55, -0.6, 0.75])
+_GONE = "nothing of the blank is left"
 _MOST_NAMES = 8  # of a legend
 
 
@@ -56,6 +57,9 @@ def draw_whole(data: dict[str, NDArray], _: dict[str, Any], canvas: Canvas) -> N
     """The whole part by operation, and by deviation where surfaces are intended."""
     left, right = canvas.views(2)
     points, triangles = data["whole:points"], data["whole:triangles"]
+    if not len(triangles):
+        aim_alike([Look(view, np.eye(3), *looked_at(data), _GONE) for view in (left, right)])
+        return
     names, operation = [BLANK, *map(str, data["whole:names"])], data["whole:operation"] + 1
     colours = [STEEL, *class_colours(len(names) - 1)]
     for k, colour in enumerate(colours):

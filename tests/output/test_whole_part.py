@@ -7,7 +7,8 @@ import pyarrow.parquet as pq
 import pytest
 
 from gearsim.cli import main
-from gearsim.output.whole_part import looked_at, whole_shapes
+from gearsim.output.canvas import Canvas
+from gearsim.output.whole_part import draw_whole, looked_at, whole_shapes
 from gearsim.simulation.stock_file import load_stock
 
 
@@ -95,3 +96,15 @@ def test_faces_without_a_value_are_steel_and_the_eye_sees_what_was_cut():
     assert way[2] < 0.0
     assert up[2] == -1.0
     assert [s.name for s in whole_shapes(data_of([nan] * 6))] == ["whole part, other faces"]
+
+
+def test_a_part_of_which_nothing_is_left_is_drawn_as_that(tmp_path):
+    data = data_of([]) | {
+        "whole:points": np.empty((0, 3)), "whole:triangles": np.empty((0, 3), dtype=int),
+        "whole:tag": np.empty(0, dtype=int), "whole:operation": np.empty(0, dtype=int),
+    }  # fmt: skip
+    canvas = Canvas()
+    draw_whole(data, {}, canvas)
+    canvas.save(tmp_path / "part.png")
+    assert (tmp_path / "part.png").stat().st_size > 1000
+    assert whole_shapes(data) == []
