@@ -61,8 +61,8 @@ class TurnedTable(Table):
         after = np.roll(corners, -1, axis=0)
         for i in np.flatnonzero((corners == after).all(axis=1)):
             raise ValueError(f"outline_mm: corner {i + 1} of {len(corners)} is the next one too; name each once")
-        for i, j in _crossing(corners, after):
-            raise ValueError(f"outline_mm: it crosses itself, after corner {i + 1} and after corner {j + 1}")
+        for i, j in _meeting(corners, after):
+            raise ValueError(f"outline_mm: it meets itself, after corner {i + 1} and after corner {j + 1}")
         r, z = corners.T
         if not abs(float(r @ np.roll(z, -1) - z @ np.roll(r, -1))) > 1e-12:
             raise ValueError("outline_mm: its corners enclose no area")
@@ -72,16 +72,21 @@ class TurnedTable(Table):
         return Turned(np.array(self.outline_mm, dtype=float))
 
 
-def _crossing(start: NDArray, end: NDArray) -> NDArray:
-    """Pairs (n, 2) of edges of which each has its ends on both sides of the other."""
-    way = end - start
+def _meeting(start: NDArray, end: NDArray) -> NDArray:
+    """Pairs (n, 2) of edges of an outline that meet and do not follow each other; the axis may be met."""
+    way, n = end - start, len(start)
 
     def side(points: NDArray) -> NDArray:
         off = points - start[:, None]
         return np.sign(way[:, None, 0] * off[..., 1] - way[:, None, 1] * off[..., 0])
 
-    parted = side(start) * side(end) < 0.0
-    return np.argwhere(np.triu(parted & parted.T))
+    parted = side(start) * side(end) <= 0.0
+    lower, upper = np.minimum(start, end), np.maximum(start, end)
+    near = (lower[:, None] <= upper).all(axis=-1) & (upper[:, None] >= lower).all(axis=-1)
+    apart = np.subtract.outer(np.arange(n), np.arange(n)) % n
+    solid = upper[:, 0] > 0.0
+    other = (apart > 1) & (apart < n - 1) & solid & solid[:, None]
+    return np.argwhere(np.triu(parted & parted.T & near & other))
 
 
 AnyBlank = Annotated[BlockTable | CylinderTable | TurnedTable, Field(discriminator="kind")]

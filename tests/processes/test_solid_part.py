@@ -10,6 +10,7 @@ from gearsim.output.report import report_text
 from gearsim.output.summary import summary
 from gearsim.processes.run import estimate, run
 from gearsim.scene import check_scene, load_scene, scene_table
+from gearsim.scene.stock import TurnedTable
 
 COARSE = ("stock.pitch_mm=1.0",)
 
@@ -117,6 +118,10 @@ def test_rapids_that_begin_too_low_go_through_material():
             lambda t: t["surface"].update(body=turned((9, 0), (2, 5), (9, 5), (2, 0))),
             "after corner 1 and after corner 3",
         ),
+        (
+            lambda t: t["surface"].update(body=turned((1, 0), (4, 5), (1, 10), (7, 10), (4, 5), (7, 0))),
+            "after corner 1 and after corner 4",
+        ),
         (lambda t: t["tools"][0]["cutter"].update(point_angle_deg=180.0), "point_angle_deg"),
     ],
 )
@@ -188,3 +193,12 @@ def test_a_holder_is_held_against_what_stands(diameter, verdict):
     assert result.verdict == verdict
     assert len(told) == (verdict == "fail")
     assert all("the holder of through holes touches material" in text for text in told)
+
+
+def test_an_outline_may_come_back_to_the_axis_and_to_a_line_it_was_on():
+    """Two cones, tip to tip; a disc with two feet."""
+    for corners in (
+        ((0, 0), (8, 0), (0, 5), (8, 10), (0, 10)),
+        ((1, 0), (2, 0), (2, 1), (4, 1), (4, 0), (5, 0), (5, 2), (1, 2)),
+    ):
+        assert TurnedTable(**turned(*corners)).build().volume > 0.0
