@@ -83,3 +83,10 @@ def counted(questions: list[Question]) -> tuple[int, int]:
     cut = sum(len(q.rays) * len(q.variant.operations) for q in questions if isinstance(q, Cut))
     cut += sum(q.machining.rays for q in questions if isinstance(q, Machine))
     return cut, sum(len(q.rays) for q in questions if isinstance(q, Solve))
+
+
+def at_once(questions: list[Question]) -> int:
+    """How many rays memory must hold at a time: a whole part's are the same for all its operations."""
+    again = sum(q.machining.rays - q.machining.rays // len(q.machining.operations) for q in questions
+                if isinstance(q, Machine) and q.machining.operations)  # fmt: skip
+    return sum(counted(questions)) - again

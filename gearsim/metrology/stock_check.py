@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,16 +12,23 @@ from numpy.typing import NDArray
 from gearsim.geometry.solid import Solid
 from gearsim.geometry.wedge import Wedge
 from gearsim.metrology.blank_check import outside
-from gearsim.metrology.closest import signed_distance
 from gearsim.metrology.findings import Finding, stock_out_of_tolerance, through_material
 from gearsim.metrology.inspection import Machine, Reading, Steps
-from gearsim.metrology.samples import SampleGrid, sample_grid
-from gearsim.metrology.solid_difference import difference
+from gearsim.metrology.samples import sample_grid
+from gearsim.metrology.stock_surfaces import (
+    NEAR_MM,
+    SOLID,
+    SurfaceFigures,
+    beside_solid,
+    cut_ends,
+    near,
+    near_surface,
+)
 from gearsim.simulation.contour.surface import Contour, at_vertices
 from gearsim.simulation.dexels import DexelBox
 from gearsim.simulation.operation import Operation, turned_copies
 from gearsim.simulation.sequence import Machined, Machining, in_sequence
-from gearsim.simulation.stock import AXES, Stock
+from gearsim.simulation.stock import Stock
 from gearsim.simulation.work import Work
 from gearsim.surfaces.machined_solid import MachinedSolid
 from gearsim.surfaces.part import Tolerance
@@ -29,9 +36,7 @@ from gearsim.surfaces.part import Tolerance
 if TYPE_CHECKING:
     from gearsim.metrology.job import Job
 
-SOLID = "solid"
 _BY_RAYS = "the solid: by one road only, at the ends of a tri-dexel's rays"
-_NEAR_MM = 0.5
 _ROWS, _COLUMNS, _MARGIN = 33, 129, 0.01
 
 
@@ -55,20 +60,6 @@ class OperationFigures:
     def air(self) -> NDArray[np.bool_]:
         """Which rows are fed through air."""
         return ~self.operation.rapid & (self.volume == 0.0)
-
-
-class SurfaceFigures(NamedTuple):
-    """Ends of the stock's rays near an intended surface, in all its spaces: how many, and the deepest and highest [mm].
-
-    The two are not one figure: material left in one place makes up for none that is missing in another. nan: no ends.
-    """
-
-    surface: str
-    ends: int
-    overcut: float
-    excess: float
-    overcut_place: NDArray[np.floating]
-    excess_place: NDArray[np.floating]
 
 
 @dataclass(frozen=True)
@@ -121,10 +112,10 @@ class StockInspection:
         machined: Machined = (yield [Machine(Machining(self.blank, self.box, operations))])[0]
         left = np.array([machined.blank_volumes, *(work.left for work in machined.work)])
         figures = tuple(map(self._figures, machined.work, -np.diff(left, axis=0)))
-        surfaces, findings = [], []
+        surfaces, findings, ends = [], [], cut_ends(machined.stock)
         for intended in job.part.surfaces.values():
             grid = sample_grid(intended.patch, _ROWS, _COLUMNS, _MARGIN)
-            found = near_surface(grid, machined.stock, self.spaces)
+            found = near_surface(grid, ends, self.spaces)
             surfaces.append(found)
             findings += list(_judged(found, intended.tolerance, job))
             findings += outside(grid, intended.tolerance, self.blank, self.copies, job.part)
@@ -154,11 +145,11 @@ class StockInspection:
         points = found.hit
         if self.intended is not None:
             distance = self.intended.signed_distance(points)
-            return np.where(np.abs(distance) < _NEAR_MM, distance, np.nan)
+            return np.where(np.abs(distance) < NEAR_MM, distance, np.nan)
         cut, out = np.zeros(len(points), dtype=bool), np.full(len(points), np.nan)
         cut[found.of[found.mesh.tag >= 0]] = True
         for intended in job.part.surfaces.values():
-            close, distance = _near(sample_grid(intended.patch, _ROWS, _COLUMNS, 0.0), points, self.spaces)
+            close, distance = near(sample_grid(intended.patch, _ROWS, _COLUMNS, 0.0), points, self.spaces)
             nearer = cut[close] & ~(np.abs(out[close]) <= np.abs(distance))
             out[close[nearer]] = distance[nearer]
         return out
@@ -180,85 +171,6 @@ class StockInspection:
                 line = int(work.operation.line[work.touch.row])
                 called = f"a rapid move of {work.operation.name}" + (f" in line {line}" if line else "")
                 yield through_material(job.part, work.touch.place, 1e3 * work.touch.depth, called)
-
-
-def near_surface(grid: SampleGrid, stock: Stock, spaces: int = 1) -> SurfaceFigures:
-    """Signed distances of a stock's cut ends within half a millimetre of an intended surface, in all alike spaces.
-
-    Ends are exact to the cut's tolerance; what lies between rays is not seen.
-    """
-    points = np.concatenate([_ends(stock, axis, False) for axis in AXES])
-    close, distance = _near(grid, points, spaces)
-    if not len(close):
-        nowhere = np.full(3, np.nan)
-        return SurfaceFigures(grid.patch.name, 0, np.nan, np.nan, nowhere, nowhere)
-    low, high = int(np.argmin(distance)), int(np.argmax(distance))
-    return SurfaceFigures(
-        grid.patch.name,
-        len(close),
-        float(distance[low]),
-        float(distance[high]),
-        points[close[low]],
-        points[close[high]],
-    )
-
-
-def _near(grid: SampleGrid, points: NDArray, spaces: int) -> tuple[NDArray, NDArray]:
-    """Which points lie within half a millimetre of a surface or one like it in another space, and how far [mm]."""
-    turned = _into_one_space(points, grid, spaces)
-    lower, upper = (f(grid.point[np.isfinite(grid.point).all(axis=-1)], axis=0) for f in (np.min, np.max))
-    close = np.flatnonzero(((turned > lower - _NEAR_MM) & (turned < upper + _NEAR_MM)).all(axis=1))
-    distance, _, _ = signed_distance(grid, turned[close], _NEAR_MM)
-    near = np.abs(distance) < _NEAR_MM
-    return close[near], distance[near]
-
-
-def beside_solid(intended: MachinedSolid, stock: Stock) -> tuple[SurfaceFigures, tuple[str, ...]]:
-    """Signed distances of all of a stock's ends, those of the blank too, from an intended solid; what forbids trust.
-
-    So are those of the middles of all stretches of its rays that only one of the two holds.
-    """
-    ends = np.concatenate([_ends(stock, axis, True) for axis in AXES])
-    middle, unseen = difference(intended, stock)
-    doubts: tuple[str, ...] = ()
-    if unseen:
-        lower, upper = intended.minus[unseen[0]].box
-        where = ", ".join(f"{x:.4g}" for x in 0.5 * (lower + upper))
-        doubts += (
-            f"no ray meets {len(unseen)} of {len(intended.minus)} shapes that surface.minus takes from the body, one "
-            f"about ({where}) mm: it lies off the body, or wants a finer stock.pitch_mm",
-        )
-    if not len(ends):
-        doubts += ("no ray of the stock holds any material: nothing of the solid was judged",)
-        return SurfaceFigures(SOLID, 0, np.nan, np.nan, np.full(3, np.nan), np.full(3, np.nan)), doubts
-    points = np.concatenate([ends, middle])
-    distance = intended.signed_distance(points)
-    low, high = int(np.argmin(distance)), int(np.argmax(distance))
-    return SurfaceFigures(
-        SOLID, len(ends), float(distance[low]), float(distance[high]), points[low], points[high]
-    ), doubts
-
-
-def _ends(stock: Stock, axis: int, blank: bool) -> NDArray:
-    """Points [mm], shape (n, 3), where a row ended material, and those of the blank itself if asked for."""
-    left, rays = stock.left[axis], stock.box.rays(axis)
-    ray, tau = np.tile(left.ray, 2), np.concatenate([left.lo, left.hi])
-    made = np.concatenate([left.lo_segment, left.hi_segment]) >= 0
-    chosen = slice(None) if blank else made
-    return rays.origin[ray[chosen]] + tau[chosen, None] * rays.direction[ray[chosen]]
-
-
-def _into_one_space(points: NDArray, grid: SampleGrid, spaces: int) -> NDArray:
-    """Points of all spaces turned about z into that of the grid."""
-    if spaces == 1:
-        return points
-    middle = np.nanmean(grid.point.reshape(-1, 3), axis=0)
-    step = 2.0 * np.pi / spaces
-    angle = np.arctan2(points[:, 1], points[:, 0]) - np.arctan2(middle[1], middle[0])
-    back = -step * np.round(angle / step)
-    cos, sin = np.cos(back), np.sin(back)
-    x, y, z = points.T
-    return np.stack([cos * x - sin * y, sin * x + cos * y, z], axis=1)
 
 
 def _none_near(surfaces: list[SurfaceFigures], job: Job) -> tuple[str, ...]:

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from typing import Any
 
-from gearsim.metrology.stock_check import SOLID, StockMeasurement
+from gearsim.metrology.stock_check import StockMeasurement
+from gearsim.metrology.stock_surfaces import SOLID
 from gearsim.output.markdown import VIEW_MARK, findings, not_drawn, pictures, provenance, verdict
 from gearsim.output.presenters import SLOTS, collected
 from gearsim.result import Result

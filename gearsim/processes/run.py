@@ -14,7 +14,7 @@ from typing import Any, Protocol
 from gearsim.envelope import prepare_envelope
 from gearsim.errors import InputError
 from gearsim.metrology.inspection import Question, perform
-from gearsim.metrology.job import Job, counted
+from gearsim.metrology.job import Job, at_once, counted
 from gearsim.metrology.stock_check import StockInspection
 from gearsim.metrology.study import Change, study_steps
 from gearsim.metrology.verdict import verdict
@@ -146,7 +146,7 @@ def run_job(
     def begin(questions: list[Question]) -> None:
         nonlocal planned_rays
         planned_rays, solved = counted(questions)
-        require_room(planned_rays + solved, f"scene {job.name}", _SMALLER)
+        require_room(at_once(questions), f"scene {job.name}", _SMALLER)
         progress.stage("cutting and measuring", planned_rays + solved)
 
     readings = perform(job.steps(), workshop, begin)
@@ -204,15 +204,17 @@ def estimate(scene: Scene, folder: Path | None = None, device: str = "cpu") -> d
     open_device(device)
     job = plan(scene, folder)
     try:
-        rays, samples = counted(next(job.steps()))
+        first = next(job.steps())
     except StopIteration:
-        rays, samples = 0, 0
-    require_room(rays + samples, f"scene {job.name}", _SMALLER)
+        first = []
+    rays, samples = counted(first)
+    require_room(at_once(first), f"scene {job.name}", _SMALLER)
+    held = at_once(first) - samples
     segments, slots = job.rows(), job.settings.interval_slots
     return {
         "rays": rays,
         "segments": segments,
         "memory_mb": 600.0
-        + 1e-6 * (SLOT_BYTES * slots * min(rays, tile_rays(slots)) + RAY_BYTES * rays + 2000 * samples),
+        + 1e-6 * (SLOT_BYTES * slots * min(held, tile_rays(slots)) + RAY_BYTES * held + 2000 * samples),
         "seconds": 6.0 + rays / 60e3 + samples * (2.2e-4 + 5e-7 * segments),
     }

@@ -82,10 +82,10 @@ class Checkpoints:
     def _digest(self, count: int) -> str:
         """Of all that the stock after so many operations depends on."""
         box = self.blank.box
-        start = [gearsim.__version__, self.tolerance, box.pitch, box.lower.tolist(), box.upper.tolist()]
-        told = hashlib.sha256(json.dumps(start).encode())
+        places = [a.tolist() for a in (box.lower, box.upper, box.frame.rotation, box.frame.translation)]
+        told = hashlib.sha256(json.dumps([gearsim.__version__, self.tolerance, box.pitch, *places]).encode())
         for bundle in self.blank.left:
-            told.update(bundle.lo.tobytes() + bundle.hi.tobytes())
+            told.update(bundle.first.tobytes() + bundle.lo.tobytes() + bundle.hi.tobytes())
         for operation in self.operations[:count]:
             told.update(repr((operation.name, operation.cutter)).encode())
             for column in fields(operation.table):

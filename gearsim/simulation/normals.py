@@ -29,12 +29,13 @@ class EndNormals:
     rows of the operations, numbered through all of them (a solid has one), or -1 for the blank. A normal is off by the
     point's distance from the true surface over that one's radius of curvature: 1e-8 rad where rays were cut to 1e-9 mm,
     but for rays that graze the surface. On an edge between two surfaces it is that of the one that the tag names.
-    Raises NumericalError where a point does not lie on the tool that is said to have made it, by more than a nanometre.
+    Raises NumericalError where a point does not lie on the tool that is said to have made it, by more than a nanometre
+    and four times the ``tolerance`` [mm] that rays were cut to.
     """
 
-    def __init__(self, blank: Solid, makers: Sequence[Operation | Solid], device: str):
+    def __init__(self, blank: Solid, makers: Sequence[Operation | Solid], device: str, tolerance: float = 0.0):
         load_kernels(kernels, device)
-        self._device = device
+        self._device, self._near = device, _NEAR + 4.0 * tolerance
         self._solids = [blank, *(maker for maker in makers if not isinstance(maker, Operation))]
         operations = [maker for maker in makers if isinstance(maker, Operation)]
         rows = [len(maker) if isinstance(maker, Operation) else 1 for maker in makers]
@@ -47,7 +48,7 @@ class EndNormals:
             counts = [len(o.cutter.parts) for o in operations]
             last = np.cumsum(counts)
             self._parts = np.repeat(np.column_stack([last - counts, last]), [len(o) for o in operations], axis=0)
-            self._inputs = [section_data([o.cutter for o in operations], device)]
+            self._inputs = [face_data([o.cutter for o in operations], device)]
             self._inputs.append(motion_data(join([o.table for o in operations]), device))
 
     def __call__(self, points: NDArray, tags: NDArray) -> NDArray:
@@ -59,7 +60,7 @@ class EndNormals:
         cut = of < 0
         if cut.any():
             normals[cut], gap = self._machined(points[cut], self._row[tags[cut]])
-            far = np.abs(gap) > _NEAR
+            far = np.abs(gap) > self._near
             if far.any():
                 raise NumericalError(
                     f"{np.count_nonzero(far)} of {len(gap)} points of the machined surface do not lie on the tool that "
@@ -85,7 +86,7 @@ class EndNormals:
         return out[0].numpy(), out[1].numpy()
 
 
-def section_data(cutters: Sequence[Profile], device: str) -> kernels.Sections:
+def face_data(cutters: Sequence[Profile], device: str) -> kernels.Sections:
     """The faces of all convex parts of cutters, one cutter after the other."""
     rows, first = [], [0]
     for part in (part for cutter in cutters for part in cutter.parts):

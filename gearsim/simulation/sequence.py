@@ -111,7 +111,7 @@ def machine(asked: Machining, workshop: Workshop) -> Machined:
         kept = Kept(stock, look, [*kept.work, Work(operation, volume, stock.volumes, touch)])
         if keeper:
             keeper.keep(kept)
-    normals = EndNormals(asked.blank, asked.operations, workshop.device)
+    normals = EndNormals(asked.blank, asked.operations, workshop.device, workshop.tolerance)
     return Machined(kept.stock, contour(kept.stock, normals), blank.volumes, tuple(kept.work))
 
 

@@ -7,7 +7,8 @@ from gearsim.geometry.wedge import Wedge
 from gearsim.metrology.blank_check import outside
 from gearsim.metrology.holder_check import HolderInspection
 from gearsim.metrology.samples import sample_grid
-from gearsim.metrology.stock_check import StockInspection, SurfaceFigures, _judged, _none_near, near_surface
+from gearsim.metrology.stock_check import StockInspection, _judged, _none_near
+from gearsim.metrology.stock_surfaces import SurfaceFigures, cut_ends, near_surface
 from gearsim.processes.run import plan
 from gearsim.scene import load_scene
 from gearsim.scene.stock import CylinderTable
@@ -49,7 +50,7 @@ def test_a_blank_too_small_fails_by_as_much_as_is_missing():
 def test_a_blank_that_nothing_cuts_near_a_judged_surface_is_not_judged():
     job, asked = planned()
     far = blank_stock(asked.box, bar(180.0, -40.0, 0.0))
-    none = [near_surface(sample_grid(s.patch, 5, 5, 0.01), far) for s in job.part.surfaces.values()]
+    none = [near_surface(sample_grid(s.patch, 5, 5, 0.01), cut_ends(far)) for s in job.part.surfaces.values()]
     (doubt,) = _none_near(none, job)
     assert "no cut end of the whole part's rays lies near a judged surface" in doubt
     assert _none_near([none[0]._replace(ends=1), *none[1:]], job) == ()

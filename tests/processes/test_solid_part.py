@@ -74,6 +74,23 @@ def test_a_slot_too_deep_or_too_shallow_is_found_with_its_depth_and_place(um):
         assert found.place_mm[2] == pytest.approx(-3.0 + sign * 1e-3 * um)
 
 
+@pytest.mark.parametrize("tolerance", ["1e-5", "1e-2"])
+def test_ends_cut_less_exactly_are_still_known_for_what_made_them(tolerance):
+    result = run("drill-grid", overrides=(*COARSE, f"simulation.tolerance_mm={tolerance}"))
+    (solid,) = measured(result).surfaces
+    assert max(-solid.overcut, solid.excess) < 2.0 * float(tolerance)
+    assert measured(result).contour.mesh.open_edges == 0
+
+
+def test_memory_is_asked_for_once_for_all_operations():
+    scene, folder = load_scene("drill-grid", COARSE)
+    few = estimate(scene, folder)
+    thrice = scene.model_copy(update={"operations": scene.operations * 3})
+    many = estimate(thrice, folder)
+    assert many["rays"] == 3 * few["rays"]
+    assert many["memory_mb"] == few["memory_mb"]
+
+
 def test_what_was_forgotten_fails():
     result = changed(lambda tables: tables.update(operations=tables["operations"][:2]))
     assert result.verdict == "fail"

@@ -1,9 +1,12 @@
 """Runs that are killed go on from the operation that was done last, and end with the same bits."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from gearsim.cutters.end_mills import ball, flat
+from gearsim.geometry.rigid import Rigid
 from gearsim.geometry.solid import Block
 from gearsim.motion.sources import CLMotion
 from gearsim.simulation import checkpoints, sequence
@@ -92,3 +95,12 @@ def test_files_that_were_cut_off_are_not_taken(tmp_path):
         kept = file.read_bytes()
         file.write_bytes(kept[: len(kept) // 2])
         assert bits(machine(ASKED, Workshop("cpu", checkpoints=tmp_path))) == whole
+
+
+def test_the_same_work_on_a_blank_turned_about_is_another_job(tmp_path):
+    """Its rays' ends are the same numbers; only the frame tells them apart."""
+    machine(ASKED, Workshop("cpu", checkpoints=tmp_path))
+    frames = [Rigid(np.diag([sign, sign, 1.0]), np.zeros(3)) for sign in (1.0, -1.0)]
+    blank = blank_stock(ASKED.box, BLOCK)
+    jobs = [Checkpoints(tmp_path, replace(blank, box=replace(ASKED.box, frame=f)), 1e-9, WORK) for f in frames]
+    assert [job.last() is not None for job in jobs] == [True, False]
