@@ -39,6 +39,20 @@ class Branches:
 
 
 @wp.struct
+class Branch:
+    """One of them: a pose of it, in the middle of the stroke (``way`` 0) or at an end of it (-1, 1), and its bounds."""
+
+    tip: wp.vec3d
+    axis: wp.vec3d
+    stroke: wp.vec3d
+    swing: wp.vec3d
+    rest: f64
+    sway: f64
+    turn: f64
+    way: f64
+
+
+@wp.struct
 class Tile:
     """Parallel rays: the middle one, and how far the others lie beside it at most: s a + t b, s and t in [-1, 1]."""
 
@@ -51,8 +65,9 @@ class Tile:
 @wp.struct
 class Reach:
     """The middle ray's chord [lo, hi] at the branch's pose, if ``found``, and the stretch [first, last] outside of
-    which no ray of the tile meets the tool anywhere in the branch; none if first > last. ``lead``: whether the tool
-    takes more ahead along the stroke (positive) or behind.
+    which no ray of the tile meets the tool anywhere in the branch; none if first > last. The ray s a + t b beside the
+    middle one does not before early . (1, s, t), nor after late . (1, s, t). At the end of the stroke the
+    chord begins about ``lo_lead`` earlier and ends ``hi_lead`` later.
     """
 
     found: wp.int32
@@ -60,7 +75,37 @@ class Reach:
     hi: f64
     first: f64
     last: f64
-    lead: f64
+    early: wp.vec3d
+    late: wp.vec3d
+    lo_lead: f64
+    hi_lead: f64
+
+
+@wp.func
+def branch_at(branches: Branches, node: int) -> Branch:
+    """A branch as it stands in the table."""
+    branch = Branch()
+    branch.tip = branches.tip[node]
+    branch.axis = branches.axis[node]
+    branch.stroke = branches.stroke[node]
+    branch.swing = branches.swing[node]
+    branch.rest = branches.rest[node]
+    branch.sway = branches.sway[node]
+    branch.turn = branches.turn[node]
+    return branch
+
+
+@wp.func
+def at_end(branch: Branch, tip: wp.vec3d, axis: wp.vec3d, way: f64) -> Branch:
+    """A branch of one row seen from the pose at an end of it.
+
+    With |x^k - 1| <= k |x - 1| the row's bends, of degrees 2 to 5, count 5 |x - 1| times their size at most.
+    """
+    branch.tip = tip
+    branch.axis = axis
+    branch.turn *= f64(2.0)
+    branch.way = way
+    return branch
 
 
 @wp.func
@@ -83,25 +128,29 @@ def farthest(cutter: Cutter, along: f64, across: f64, turn: f64, base: f64) -> f
 
 
 @wp.func
-def past(cutter: Cutter, branches: Branches, node: int, tile: Tile, n: wp.vec3d, base: f64) -> wp.vec2d:
-    """How far the tool gets past the middle ray's origin in direction n anywhere in the branch, what lies beside that
-    ray counted in, and how much farther than at its pose at the end of the stroke [mm].
+def past(cutter: Cutter, branch: Branch, tile: Tile, n: wp.vec3d, base: f64) -> wp.vec2d:
+    """How far the tool gets past the middle ray's origin in direction n anywhere in the branch, and how much farther
+    than at its pose at the end of the stroke [mm].
     """
-    axis = branches.axis[node]
+    axis = branch.axis
     along = wp.dot(n, axis)
-    far = farthest(cutter, along, wp.length(n - along * axis), branches.turn[node], base)
-    far += wp.dot(n, branches.tip[node] + base * axis - tile.origin)
-    push = wp.dot(n, branches.stroke[node] + base * branches.swing[node])
-    far += wp.abs(push) + branches.rest[node] + wp.abs(base) * branches.sway[node]
-    return wp.vec2d(far + wp.abs(wp.dot(n, tile.a)) + wp.abs(wp.dot(n, tile.b)) + PAD * cutter.size, push)
+    far = farthest(cutter, along, wp.length(n - along * axis), branch.turn, base)
+    far += wp.dot(n, branch.tip + base * axis - tile.origin)
+    push = wp.dot(n, branch.stroke + base * branch.swing)
+    rest = branch.rest + wp.abs(base) * branch.sway
+    if branch.way == f64(0.0):
+        far += wp.abs(push) + rest
+    else:
+        far += greater(f64(2.0) * (f64(5.0) * rest - branch.way * push), f64(0.0))
+    return wp.vec2d(far + f64(16.0) * cutter.skin, push)
 
 
 @wp.func
 def earliest(
-    cutter: Cutter, branches: Branches, node: int, tile: Tile, ray: ToolRay, tau: f64, face: int, way: f64
-) -> wp.vec2d:  # fmt: skip
-    """Before this no ray of the tile, run forward (``way`` 1) or backward (-1), is in the tool, and how much earlier
-    the middle one is at the end of the stroke; -FAR where that is lost.
+    cutter: Cutter, branch: Branch, tile: Tile, ray: ToolRay, tau: f64, face: int, way: f64
+) -> wp.vec4d:  # fmt: skip
+    """Before this the middle ray, run forward (``way`` 1) or backward (-1), is not in the tool; how much later those
+    beside it by a and by b, and how much earlier it is at the end of the stroke. -FAR where that is lost.
 
     ``tau`` and ``face``: where the middle ray, seen from the tool as ``ray``, has an end of its chord.
     """
@@ -109,22 +158,22 @@ def earliest(
     w = ray.w0 + tau * ray.w1
     r = wp.length(w)
     normal = face_normal(cutter, face, r, z)
-    n = normal[1] * branches.axis[node]
+    n = normal[1] * branch.axis
     if r > TINY:
         n = n + (normal[0] / r) * w
     n = wp.normalize(n)
     steep = -way * wp.dot(n, tile.direction)
     if not steep > FLAT:
-        return wp.vec2d(-FAR, f64(0.0))
+        return wp.vec4d(-FAR, f64(0.0), f64(0.0), f64(0.0))
     base = z
     if face % 2 == 0 and cutter.slabs[face // 2, 5] != LINE:
         base = cutter.slabs[face // 2, 3]
-    far = past(cutter, branches, node, tile, n, base)
-    return wp.vec2d(-far[0], far[1]) / steep
+    far = past(cutter, branch, tile, n, base)
+    return wp.vec4d(-far[0], wp.dot(n, tile.a), wp.dot(n, tile.b), far[1]) / steep
 
 
 @wp.func
-def passes(cutter: Cutter, branches: Branches, node: int, tile: Tile, ray: ToolRay) -> bool:
+def passes(cutter: Cutter, branch: Branch, tile: Tile, ray: ToolRay) -> bool:
     """Whether a plane along the rays, across the way from the axis to the middle one, keeps the tool from them all."""
     low = cutter.slabs[cutter.first, 0]
     if cutter.slabs[cutter.first, 5] != LINE:
@@ -133,12 +182,14 @@ def passes(cutter: Cutter, branches: Branches, node: int, tile: Tile, ray: ToolR
     if ray.square > TINY:
         base -= ray.dz * ray.half / ray.square
     base = wp.clamp(base, low, cutter.slabs[cutter.end - 1, 1])
-    n = tile.origin - branches.tip[node] - base * branches.axis[node]
+    n = tile.origin - branch.tip - base * branch.axis
     n = n - wp.dot(n, tile.direction) * tile.direction
     size = wp.length(n)
     if size < TINY:
         return False
-    return past(cutter, branches, node, tile, n / size, base)[0] < f64(0.0)
+    n = n / size
+    beside = wp.abs(wp.dot(n, tile.a)) + wp.abs(wp.dot(n, tile.b))
+    return past(cutter, branch, tile, n, base)[0] + beside < f64(0.0)
 
 
 @wp.func
@@ -179,42 +230,41 @@ def around(cutter: Cutter, ray: ToolRay, move: f64, turn: f64, window: wp.vec2d)
 
 
 @wp.func
-def reach_of(cutter: Cutter, branches: Branches, node: int, tile: Tile, window: wp.vec2d) -> Reach:
+def reach_of(cutter: Cutter, branch: Branch, tile: Tile, window: wp.vec2d) -> Reach:
     """See Reach; within a window along the rays."""
-    ray = tool_ray(branches.tip[node], branches.axis[node], cutter.middle, tile.origin, tile.direction)
+    ray = tool_ray(branch.tip, branch.axis, cutter.middle, tile.origin, tile.direction)
     hit = cutter_interval(cutter, ray)
     reach = Reach()
     reach.found = hit.found
-    first = -FAR
-    last = FAR
+    reach.first = window[0]
+    reach.last = window[1]
+    reach.early[0] = -FAR
+    reach.late[0] = FAR
+    if hit.found == 0 and passes(cutter, branch, tile, ray):
+        reach.first = FAR
+        reach.last = -FAR
+        return reach
     lost = 1 - hit.found
-    end = wp.vec2d()
     if hit.found == 1:
         reach.lo = hit.lo + ray.shift
         reach.hi = hit.hi + ray.shift
         if reach.lo > window[0]:
-            end = earliest(cutter, branches, node, tile, ray, hit.lo, hit.lo_face, f64(1.0))
-            first = end[0]
-            reach.lead = end[1]
+            end = earliest(cutter, branch, tile, ray, hit.lo, hit.lo_face, f64(1.0))
+            lost = wp.where(end[0] == -FAR, 1, lost)
+            reach.early = wp.vec3d(end[0], end[1], end[2])
+            reach.lo_lead = end[3]
         if reach.hi < window[1]:
-            end = earliest(cutter, branches, node, tile, ray, hit.hi, hit.hi_face, f64(-1.0))
-            last = -end[0]
-            reach.lead += end[1]
-        if (first == -FAR and reach.lo > window[0]) or (last == FAR and reach.hi < window[1]):
-            lost = 1
-    first = greater(first, window[0])
-    last = lesser(last, window[1])
-    if hit.found == 0 and passes(cutter, branches, node, tile, ray):
-        reach.first = FAR
-        reach.last = -FAR
-        return reach
+            end = earliest(cutter, branch, tile, ray, hit.hi, hit.hi_face, f64(-1.0))
+            lost = wp.where(end[0] == -FAR, 1, lost)
+            reach.late = -wp.vec3d(end[0], end[1], end[2])
+            reach.hi_lead = end[3]
     if lost == 1:
-        move = wp.length(branches.stroke[node]) + branches.rest[node] + wp.length(tile.a) + wp.length(tile.b)
-        move += PAD * cutter.size + f64(1.0e3) * cutter.skin
-        reach.lead = wp.dot(ray.w0, branches.stroke[node])
-        near = around(cutter, ray, move, branches.turn[node], window)
-        first = greater(first, near[0])
-        last = lesser(last, near[1])
-    reach.first = first
-    reach.last = last
+        move = (f64(1.0) + wp.abs(branch.way)) * (wp.length(branch.stroke) + branch.rest)
+        move += wp.length(tile.a) + wp.length(tile.b) + PAD * cutter.size + f64(1.0e3) * cutter.skin
+        reach.lo_lead = wp.dot(ray.w0, branch.stroke)
+        near = around(cutter, ray, move, branch.turn, window)
+        reach.first = greater(reach.first, near[0])
+        reach.last = lesser(reach.last, near[1])
+    reach.first = greater(reach.first, reach.early[0] - wp.abs(reach.early[1]) - wp.abs(reach.early[2]))
+    reach.last = lesser(reach.last, reach.late[0] + wp.abs(reach.late[1]) + wp.abs(reach.late[2]))
     return reach

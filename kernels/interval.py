@@ -22,10 +22,15 @@ class IntervalLists:
 @wp.func
 def covers(lists: IntervalLists, ray: int, lo: f64, hi: f64) -> bool:
     """Whether one interval of the list already holds [lo, hi]."""
-    for k in range(lists.count[ray]):
-        if lists.lo[ray, k] <= lo and hi <= lists.hi[ray, k]:
-            return True
-    return False
+    k = int(0)
+    end = lists.count[ray]
+    while end - k > 1:
+        middle = (k + end) // 2
+        if lists.lo[ray, middle] <= lo:
+            k = middle
+        else:
+            end = middle
+    return k < end and lists.lo[ray, k] <= lo and hi <= lists.hi[ray, k]
 
 
 @wp.func
@@ -57,8 +62,13 @@ def insert(lists: IntervalLists, ray: int, lo: f64, hi: f64, lo_segment: int, hi
     """Unite [lo, hi] with the list, closing gaps up to ``join``; False where no slot is left."""
     n = lists.count[ray]
     first = int(0)
-    while first < n and lists.hi[ray, first] < lo - join:
-        first += 1
+    beyond = n
+    while first < beyond:
+        middle = (first + beyond) // 2
+        if lists.hi[ray, middle] < lo - join:
+            first = middle + 1
+        else:
+            beyond = middle
     last = first
     while last < n and lists.lo[ray, last] <= hi + join:
         if lists.lo[ray, last] < lo:

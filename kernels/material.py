@@ -88,17 +88,6 @@ def left_of(lists: IntervalLists, square: Square) -> wp.vec2d:
 
 
 @wp.func
-def all_cover(lists: IntervalLists, square: Square, lo: f64, hi: f64) -> bool:
-    """Whether the lists of a square of rays all hold [lo, hi]."""
-    for p in range(square.size):
-        for q in range(square.size):
-            slot = square.slot + p * SIDE + q
-            if lists.count[slot] > 1 and not covers(lists, slot, lo, hi):
-                return False
-    return True
-
-
-@wp.func
 def put(lists: IntervalLists, slot: int, lo: f64, hi: f64, row: int, join: f64) -> int:
     """Unite an interval with a list; status bits."""
     if covers(lists, slot, lo, hi) or insert(lists, slot, lo, hi, row, row, join):

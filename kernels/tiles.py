@@ -2,141 +2,106 @@
 
 The air along a ray counts as cut from the start, so that what is left of the material is all that is looked for. First
 chords at single poses take away most of it; then the branches that may take more are divided, and so is the tile,
-down to single rows and rays, which are cut as kernels/sweep.py does.
+down to single rows and rays, which are cut as kernels/sweep.py does. What a branch cannot take of a ray is told by
+planes, for each ray of a square by how far it lies beside the middle one; half a tolerance more is not looked for.
 """
 
 import warp as wp
 
-from gearsim.kernels.branches import Branches, Tile, reach_of
-from gearsim.kernels.interval import IntervalLists, covers, insert
+from gearsim.kernels.branches import Branches, Tile, at_end, branch_at, reach_of
+from gearsim.kernels.interval import IntervalLists
 from gearsim.kernels.lattice import LISTS, RAYS, SIDE, Lattice, Square, part_of, start_of, tile_of
-from gearsim.kernels.material import Material, all_cover, copy_list, empty, fill, left_of, put
+from gearsim.kernels.material import Material, empty, fill, left_of
 from gearsim.kernels.options import OPTIONS
-from gearsim.kernels.pose import Motion
-from gearsim.kernels.profile import Cutter, Cutters, convex_part, cutter_interval
+from gearsim.kernels.pose import Motion, place_at
+from gearsim.kernels.profile import LINE, Cutter, Cutters, convex_part
+from gearsim.kernels.seeds import SEEDS, Seeds, is_seed, middle_row, query_of, seed
+from gearsim.kernels.squares import ALL, chord_of, cut_chords, mask_of, open_rays
 from gearsim.kernels.sweep import STATUS_GAP_UNDECIDED, cut_by_segment
-from gearsim.kernels.tool_ray import greater, lesser, tool_ray
+from gearsim.kernels.tool_ray import greater
 
 f64 = wp.float64
 
 wp.set_module_options(OPTIONS)
 
 STACK = 48
-SEEDS = wp.constant(64)
-PER_SEED = wp.constant(f64(1.0 / 64.0))
+CHANGED = wp.constant(1 << 16)  # beside the status bits: something was cut
+SMALL = wp.constant(2)
 GUESS = wp.constant(f64(0.5))
-DIVIDE = wp.constant(f64(1.0))
+DIVIDE = wp.constant(f64(2.0))
 PAD_MM = wp.constant(f64(1.0e-3))
 PAD_SHARE = wp.constant(f64(1.0e-6))
 
 stack_of = wp.types.vector(length=STACK, dtype=wp.int32)
-places_of = wp.types.vector(length=64, dtype=wp.int32)
-ends_of = wp.types.vector(length=64, dtype=wp.float64)
+masks_of = wp.types.vector(length=STACK, dtype=wp.uint64)
+ways_of = wp.types.vector(length=STACK, dtype=wp.float64)
 
 
 @wp.func
-def cut_chords(
-    cutter: Cutter, branches: Branches, node: int, row: int, lattice: Lattice, square: Square, join: f64,
-    lists: IntervalLists,
-) -> int:  # fmt: skip
-    """Cut from a square of rays what the cutter holds of them at a branch's pose; status bits."""
-    status = int(0)
-    for p in range(square.size):
-        for q in range(square.size):
-            slot = square.slot + p * SIDE + q
-            if lists.count[slot] > 1:
-                o = start_of(lattice, square.i + p, square.j + q)
-                ray = tool_ray(branches.tip[node], branches.axis[node], cutter.middle, o, lattice.direction)
-                hit = cutter_interval(cutter, ray)
-                if hit.found == 1:
-                    status = status | put(lists, slot, hit.lo + ray.shift, hit.hi + ray.shift, row, join)
-    return status
-
-
-@wp.func
-def middle_row(motion: Motion, level: int, index: int) -> int:
-    """The row at whose pose a branch stands."""
-    begin = index << level
-    return (begin + wp.min(begin + (1 << level), motion.speed.shape[0])) // 2
-
-
-@wp.func
-def middle_slot(lattice: Lattice, square: Square) -> int:
-    """The list of the ray in the middle of a square."""
-    p = wp.min(square.size, lattice.first.shape[0] - square.i) // 2
-    q = wp.min(square.size, lattice.second.shape[0] - square.j) // 2
-    return square.slot + p * SIDE + q
-
-
-@wp.func
-def query_of(bvh: wp.uint64, tile: Tile, window: wp.vec2d, pad: f64):
-    """The roots whose boxes a tile meets within a window."""
-    start = wp.vec3(tile.origin + window[0] * tile.direction)
-    way = wp.vec3((window[1] - window[0]) * tile.direction)
-    return wp.bvh_query_capsule(bvh, start, way, wp.float32(pad + wp.length(tile.a) + wp.length(tile.b)), -1)
+def widest(cutter: Cutter) -> f64:
+    """The cutter's largest radius."""
+    most = f64(0.0)
+    for k in range(cutter.first, cutter.end):
+        most = greater(most, cutter.slabs[k, 2])
+        if cutter.slabs[k, 5] == LINE:
+            most = greater(most, cutter.slabs[k, 2] + cutter.slabs[k, 3] * (cutter.slabs[k, 1] - cutter.slabs[k, 0]))
+        else:
+            most = greater(most, cutter.slabs[k, 2] + cutter.slabs[k, 4])
+    return most
 
 
 @wp.struct
-class Seeds:
-    """``count`` roots, the first of them last in ``root``, and status bits."""
+class Looked:
+    """The rays of a square of which a branch may take more, the end of it that takes more, and status bits.
 
-    count: wp.int32
+    ``moves``: whether the bounds are wide because of the branch's motion rather than because of the square's size.
+    """
+
+    rays: wp.uint64
+    way: f64
     status: wp.int32
-    root: places_of
+    moves: wp.int32
 
 
 @wp.func
-def seed(
-    cutter: Cutter, motion: Motion, branches: Branches, bvh: wp.uint64, lattice: Lattice, square: Square,
-    window: wp.vec2d, pad: f64, join: f64, lists: IntervalLists,
-) -> Seeds:  # fmt: skip
-    """Cut chords at the poses of a few roots, found along the middle ray.
+def look(
+    cutter: Cutter, motion: Motion, branches: Branches, level: int, index: int,
+    lattice: Lattice, whole: Square, square: Square, window: wp.vec2d, rays: wp.uint64, way: f64, tolerance: f64,
+    lists: IntervalLists,
+) -> Looked:  # fmt: skip
+    """Cut from rays of a square what the tool holds of them at a pose of a branch, and see which it may take more of.
 
-    Those that take something from it are noted (the more are, the longer a chord must be), and applied to all rays
-    from the last to the first, those that then take nothing more left out: the last of them takes most.
+    A single row is also seen from the end ``way`` that takes more: where it is the row's best pose the bound there is
+    as close as the chord.
     """
+    branch = branch_at(branches, branches.level[level] + index)
+    row = middle_row(motion, level, index)
     tile = tile_of(lattice, square)
-    middle = middle_slot(lattice, square)
-    guide = square.slot + RAYS
-    margin = GUESS * (wp.length(tile.a) + wp.length(tile.b))
-    seeds = Seeds()
-    los = ends_of()
-    his = ends_of()
-    noted = int(0)
-    longest = f64(0.0)
-    copy_list(lists, middle, guide)
-    query = query_of(bvh, tile, window, pad)
-    root = int(0)
-    while wp.bvh_query_next(query, root, wp.float32(1.0)):
-        node = branches.level[branches.roots[root][0]] + branches.roots[root][1]
-        ray = tool_ray(branches.tip[node], branches.axis[node], cutter.middle, tile.origin, tile.direction)
-        hit = cutter_interval(cutter, ray)
-        lo = hit.lo + ray.shift + margin
-        hi = hit.hi + ray.shift - margin
-        least = longest * f64(noted) * PER_SEED
-        inside = lo < hi and lo < window[1] and hi > window[0]
-        if hit.found == 1 and inside and noted < SEEDS and hi - lo >= least:
-            longest = greater(longest, hi - lo)
-            if not covers(lists, guide, lo + margin, hi - margin):
-                insert(lists, guide, lo, hi, 0, 0, f64(0.0))
-                seeds.root[noted] = root
-                los[noted] = lo
-                his[noted] = hi
-                noted += 1
-    copy_list(lists, middle, guide)
-    while noted > 0:
-        noted -= 1
-        if not covers(lists, guide, los[noted] + margin, his[noted] - margin):
-            insert(lists, guide, los[noted], his[noted], 0, 0, f64(0.0))
-            level = branches.roots[seeds.root[noted]][0]
-            index = branches.roots[seeds.root[noted]][1]
-            row = middle_row(motion, level, index)
-            seeds.status = seeds.status | cut_chords(
-                cutter, branches, branches.level[level] + index, row, lattice, square, join, lists
-            )
-            seeds.count += 1
-            seeds.root[SEEDS - seeds.count] = seeds.root[noted]
-    return seeds
+    width = wp.length(tile.a) + wp.length(tile.b)
+    bent = width * width / widest(cutter)
+    looked = Looked()
+    looked.rays = rays
+    looked.way = way
+    if square.size == 1 or wp.length(branch.stroke) + branch.rest > DIVIDE * bent:
+        looked.moves = 1
+    turns = wp.where(level == 0 and square.size <= SMALL and way == f64(0.0), 2, 1)
+    while turns > 0 and looked.rays != wp.uint64(0):
+        turns -= 1
+        if looked.way != f64(0.0):
+            place = place_at(motion, row, looked.way)
+            branch = at_end(branch, place.tip, place.axis, looked.way)
+        reach = reach_of(cutter, branch, tile, window)
+        if looked.way == f64(0.0):
+            looked.way = wp.where(reach.lo_lead + reach.hi_lead > f64(0.0), f64(1.0), f64(-1.0))
+        if reach.found == 1 and turns == 0:
+            chord = chord_of(reach, GUESS * bent)
+            fresh = open_rays(chord, lattice, whole, square, looked.rays, f64(0.0), lists)
+            if fresh != wp.uint64(0):
+                looked.status = CHANGED | cut_chords(
+                    cutter, branch.tip, branch.axis, row, lattice, whole, square, fresh, tolerance, lists
+                )
+        looked.rays = open_rays(reach, lattice, whole, square, looked.rays, GUESS * tolerance, lists)
+    return looked
 
 
 @wp.func
@@ -149,9 +114,13 @@ def search(
     levels = stack_of()
     indices = stack_of()
     squares = stack_of()
+    open = masks_of()
+    ways = ways_of()
     levels[0] = branches.roots[root][0]
     indices[0] = branches.roots[root][1]
     squares[0] = whole.size * RAYS
+    open[0] = ALL
+    ways[0] = f64(0.0)
     top = int(1)
     status = int(0)
     while top > 0:
@@ -160,50 +129,112 @@ def search(
         index = indices[top]
         code = squares[top]
         square = part_of(whole, code)
-        left = window
-        if square.size < SIDE:
-            left = left_of(lists, square)
-        if left[0] >= left[1]:
-            continue
         counts[t, 0] += 1
-        node = branches.level[level] + index
-        tile = tile_of(lattice, square)
-        width = wp.length(tile.a) + wp.length(tile.b)
-        reach = reach_of(cutter, branches, node, tile, left)
-        if reach.first > reach.last or all_cover(lists, square, reach.first, reach.last):
+        looked = look(
+            cutter,
+            motion,
+            branches,
+            level,
+            index,
+            lattice,
+            whole,
+            square,
+            window,
+            open[top],
+            ways[top],
+            tolerance,
+            lists,
+        )
+        status = status | looked.status
+        if looked.rays == wp.uint64(0):
             continue
-        row = middle_row(motion, level, index)
         if square.size == 1 and level == 0:
             counts[t, 1] += 1
+            status = status | CHANGED
+            origin = start_of(lattice, square.i, square.j)
+            left = left_of(lists, square)
             status = status | cut_by_segment(
-                cutter, motion, row, tile.origin, tile.direction, left, tolerance, square.slot, lists
+                cutter, motion, index, origin, lattice.direction, left, tolerance, square.slot, lists
             )
             continue
-        if reach.found == 1:
-            lo = greater(reach.lo, left[0]) + GUESS * width
-            hi = lesser(reach.hi, left[1]) - GUESS * width
-            if square.size == 1:
-                status = status | put(lists, square.slot, reach.lo, reach.hi, row, tolerance)
-            elif not covers(lists, middle_slot(lattice, square), lo, hi):
-                status = status | cut_chords(cutter, branches, node, row, lattice, square, tolerance, lists)
-        move = wp.length(branches.stroke[node]) + branches.rest[node]
-        if square.size == 1 or (level > 0 and move > DIVIDE * width):
-            near = wp.where(reach.lead > f64(0.0), 1, 0)
+        if level > 0 and looked.moves == 1:
+            near = wp.where(looked.way > f64(0.0), 1, 0)
             for h in range(2):
                 child = 2 * index + (h + near + 1) % 2
                 if (child << (level - 1)) < motion.speed.shape[0]:
                     levels[top] = level - 1
                     indices[top] = child
                     squares[top] = code
+                    open[top] = looked.rays
+                    ways[top] = f64(0.0)
                     top += 1
         else:
             half = square.size // 2
             for k in range(4):
-                levels[top] = level
-                indices[top] = index
-                squares[top] = code - half * RAYS + k // 2 * half * SIDE + k % 2 * half
-                top += 1
+                part = code - half * RAYS + k // 2 * half * SIDE + k % 2 * half
+                mine = looked.rays & mask_of(part)
+                if mine != wp.uint64(0):
+                    levels[top] = level
+                    indices[top] = index
+                    squares[top] = part
+                    open[top] = mine
+                    ways[top] = wp.where(level == 0 and half <= SMALL, looked.way, f64(0.0))
+                    top += 1
     return status
+
+
+@wp.func
+def extent_of(tile: Tile, window: wp.vec2d) -> f64:
+    """More than any coordinate of a tile's rays within a window; 0 where that is empty."""
+    extent = f64(0.0)
+    if window[0] < window[1]:
+        for k in range(3):
+            a = wp.abs(tile.origin[k] + window[0] * tile.direction[k])
+            extent += greater(a, wp.abs(tile.origin[k] + window[1] * tile.direction[k]))
+        extent += wp.length(tile.a) + wp.length(tile.b)
+    return extent
+
+
+@wp.func
+def cut_tile(
+    cutter: Cutter, motion: Motion, branches: Branches, bvh: wp.uint64, lattice: Lattice, whole: Square, pad: f64,
+    tolerance: f64,
+    lists: IntervalLists, counts: wp.array2d(dtype=wp.int32), t: int,
+) -> int:  # fmt: skip
+    """Cut a tile by a whole motion: by the seeds, then by all roots; status bits.
+
+    A search that had to give up, for instance for want of slots, is tried once more with what is cut by then.
+    """
+    tile = tile_of(lattice, whole)
+    told = int(0)
+    turn = int(0)
+    seeds = Seeds()
+    while turn < 2:
+        window = left_of(lists, whole)
+        if window[0] >= window[1] or (turn == 1 and (told & ~STATUS_GAP_UNDECIDED) == 0):
+            break
+        told = told & STATUS_GAP_UNDECIDED
+        if turn == 0:
+            seeds = seed(cutter, motion, branches, bvh, lattice, whole, window, pad, tolerance, lists)
+            told = told | seeds.status
+            window = left_of(lists, whole)
+        query = query_of(bvh, tile, window, pad)
+        root = int(0)
+        given = int(0)
+        while window[0] < window[1]:
+            if given < seeds.count:
+                given += 1
+                root = seeds.root[SEEDS - given]
+            elif not wp.bvh_query_next(query, root, wp.float32(1.0)):
+                break
+            elif is_seed(seeds, root):
+                continue
+            found = search(cutter, motion, branches, root, lattice, whole, window, tolerance, lists, counts, t)
+            told = told | (found & ~CHANGED)
+            if (found & CHANGED) != 0:
+                window = left_of(lists, whole)
+        turn += 1
+    return told
 
 
 @wp.kernel
@@ -240,49 +271,13 @@ def cut_tiles(
         lists_out.count[whole.slot + k] = 0
         if i < lattice.first.shape[0] and j < lattice.second.shape[0]:
             status = status | fill(material, i * lattice.second.shape[0] + j, lists_out, whole.slot + k)
-    tile = tile_of(lattice, whole)
-    window = left_of(lists_out, whole)
-    extent = f64(0.0)
-    if window[0] < window[1]:
-        for k in range(3):
-            a = wp.abs(tile.origin[k] + window[0] * tile.direction[k])
-            extent += greater(a, wp.abs(tile.origin[k] + window[1] * tile.direction[k]))
-        extent += wp.length(tile.a) + wp.length(tile.b)
-    pad = PAD_MM + PAD_SHARE * extent
+    extent = extent_of(tile_of(lattice, whole), left_of(lists_out, whole))
     for p in range(cutters.job_first[0], cutters.job_first[1]):
         cutter = convex_part(cutters, p, extent)
-        told = int(0)
-        turn = int(0)
-        seeds = Seeds()
-        while turn < 2:
-            window = left_of(lists_out, whole)
-            if window[0] >= window[1] or (turn == 1 and (told & ~STATUS_GAP_UNDECIDED) == 0):
-                break
-            told = told & STATUS_GAP_UNDECIDED
-            if turn == 0:
-                seeds = seed(cutter, motion, branches, bvh, lattice, whole, window, pad, tolerance, lists_out)
-                told = told | seeds.status
-            window = left_of(lists_out, whole)
-            query = query_of(bvh, tile, window, pad)
-            root = int(0)
-            pairs = int(0)
-            given = int(0)
-            while True:
-                if given < seeds.count:
-                    given += 1
-                    root = seeds.root[SEEDS - given]
-                elif not wp.bvh_query_next(query, root, wp.float32(1.0)):
-                    break
-                if counts_out[t, 1] != pairs:
-                    pairs = counts_out[t, 1]
-                    window = left_of(lists_out, whole)
-                    if window[0] >= window[1]:
-                        break
-                told = told | search(
-                    cutter, motion, branches, root, lattice, whole, window, tolerance, lists_out, counts_out, t
-                )
-            turn += 1
-        status = status | told
+        pad = PAD_MM + PAD_SHARE * extent
+        status = status | cut_tile(
+            cutter, motion, branches, bvh, lattice, whole, pad, tolerance, lists_out, counts_out, t
+        )
     for k in range(RAYS):
         empty(lists_out, whole.slot + k, first_tag)
     status_out[t] = status

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from gearsim.cutters.profile import Profile
 from gearsim.kernels.branches import Branches
 from gearsim.motion.segments import SegmentTable
-from gearsim.simulation.tools import swept_boxes
+from gearsim.simulation.tools import padded
 
 _LEVELS = 8
 
@@ -31,8 +31,8 @@ class Level:
 
 def rows_alone(table: SegmentTable) -> Level:
     """Every row as a branch, at its middle pose."""
-    tip, axis = (np.linalg.norm(c, axis=2) for c in (table.tip, table.axis))
-    rest, sway, turn = tip[:, 2:].sum(axis=1), axis[:, 2:].sum(axis=1), axis[:, 1:].sum(axis=1)
+    tip, axis = (np.sqrt(np.einsum("nkc,nkc->nk", c, c)) for c in (table.tip, table.axis))
+    rest, sway, turn = (np.einsum("nk->n", c) for c in (tip[:, 2:], axis[:, 2:], axis[:, 1:]))
     return Level(table.tip[:, 0], table.axis[:, 0], table.tip[:, 1], table.axis[:, 1], rest, sway, turn)
 
 
@@ -40,7 +40,7 @@ def halved(table: SegmentTable, reach: float) -> list[Level]:
     """Levels of branches, from rows alone upward; ``reach`` [mm] is what a turn of the axis counts beside travel."""
     sign = np.array([1.0, -1.0, 1.0, -1.0, 1.0, -1.0])
     begins = [np.einsum("k,nkc->nc", sign, c) for c in (table.tip, table.axis)]
-    ends = [c.sum(axis=1) for c in (table.tip, table.axis)]
+    ends = [np.einsum("nkc->nc", c) for c in (table.tip, table.axis)]
     made = [rows_alone(table)]
     for level in range(1, _LEVELS):
         begin = np.arange(-(-len(table) // (1 << level))) << level
@@ -62,14 +62,18 @@ def _united(below: Level, tip: NDArray, axis: NDArray, stroke: NDArray, swing: N
             tip_off = below.tip[child] + sign * below.stroke[child] - tip
             axis_off = below.axis[child] + sign * below.swing[child] - axis
             s = np.clip((_dot(tip_off, stroke) + reach**2 * _dot(axis_off, swing)) / square, -1.0, 1.0)[:, None]
-            rest = np.maximum(rest, np.linalg.norm(tip_off - s * stroke, axis=1) + below.rest[child])
-            sway = np.maximum(sway, np.linalg.norm(axis_off - s * swing, axis=1) + below.sway[child])
-            turn = np.maximum(turn, np.linalg.norm(axis_off, axis=1) + below.sway[child])
+            rest = np.maximum(rest, _length(tip_off - s * stroke) + below.rest[child])
+            sway = np.maximum(sway, _length(axis_off - s * swing) + below.sway[child])
+            turn = np.maximum(turn, _length(axis_off) + below.sway[child])
     return Level(tip, axis, stroke, swing, rest, sway, turn)
 
 
 def _dot(a: NDArray, b: NDArray) -> NDArray:
     return np.einsum("nc,nc->n", a, b)
+
+
+def _length(a: NDArray) -> NDArray:
+    return np.sqrt(_dot(a, a))
 
 
 def roots_of(levels: list[Level], cutter: Profile) -> tuple[NDArray, NDArray, NDArray]:
@@ -78,7 +82,7 @@ def roots_of(levels: list[Level], cutter: Profile) -> tuple[NDArray, NDArray, ND
     As (level, number), shape (n, 2), and float32 boxes around all that the tool sweeps there.
     """
     _, radius, _, _ = cutter.box
-    travel = [np.linalg.norm(k.stroke, axis=1) + k.rest + k.turn * cutter.reach for k in levels]
+    travel = [_length(k.stroke) + k.rest + k.turn * cutter.reach for k in levels]
     small = [t <= 2.0 * radius for t in travel]
     small[0][:] = True
     for level in range(1, len(levels)):
@@ -91,9 +95,27 @@ def roots_of(levels: list[Level], cutter: Profile) -> tuple[NDArray, NDArray, ND
         chosen = np.flatnonzero(ok & ~np.repeat(above, 2)[: len(ok)])
         roots.append(np.stack([np.full(len(chosen), level), chosen], axis=1))
         at = levels[level]
-        boxes.append(swept_boxes(at.tip[chosen], at.axis[chosen], travel[level][chosen], cutter))
+        boxes.append(_boxes(Level(*(getattr(at, f.name)[chosen] for f in fields(Level))), cutter))
     lower, upper = (np.concatenate([box[k] for box in boxes]) for k in range(2))
     return np.concatenate(roots), lower, upper
+
+
+def _boxes(level: Level, cutter: Profile) -> tuple[NDArray, NDArray]:
+    """Float32 boxes, lower and upper corners of shape (n, 3), around all that the tool sweeps in branches.
+
+    Along a coordinate a circle of radius r about the axis reaches r sqrt(1 - axis²) beyond its centre, and that
+    changes by no more than r times what the axis does.
+    """
+    spread = np.sqrt(np.clip(1.0 - level.axis**2, 0.0, 1.0)) + level.turn[:, None]
+    lower, upper = np.full(level.tip.shape, np.inf), np.full(level.tip.shape, -np.inf)
+    for e in cutter.elements:
+        _, radius, *heights = e.box
+        for z in heights:
+            centre = level.tip + z * level.axis
+            half = np.abs(level.stroke + z * level.swing) + radius * spread
+            half += (level.rest + abs(z) * level.sway)[:, None]
+            lower, upper = np.minimum(lower, centre - half), np.maximum(upper, centre + half)
+    return padded(lower, upper)
 
 
 def branch_data(levels: list[Level], roots: NDArray, device: str) -> Branches:

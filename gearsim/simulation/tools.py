@@ -208,7 +208,12 @@ def swept_boxes(tip: NDArray, axis: NDArray, travel: NDArray, cutter: Profile) -
             centre = tip + z * axis
             lower = np.minimum(lower, centre - radius * spread)
             upper = np.maximum(upper, centre + radius * spread)
-    pad = travel[:, None] * (1.0 + 1e-6) + 1e-4
+    return padded(lower - travel[:, None], upper + travel[:, None])
+
+
+def padded(lower: NDArray, upper: NDArray) -> tuple[NDArray, NDArray]:
+    """Boxes in float32 that hold those given, with room for rounding."""
+    pad = (upper - lower).max(axis=1, keepdims=True) * 1e-6 + 1e-4
     return (
         np.nextafter((lower - pad).astype(np.float32), -np.float32(np.inf)),
         np.nextafter((upper + pad).astype(np.float32), np.float32(np.inf)),

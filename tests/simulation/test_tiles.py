@@ -10,7 +10,8 @@ from gearsim.cutters.catalogue import apt
 from gearsim.cutters.end_mills import ball
 from gearsim.errors import NumericalError
 from gearsim.geometry.rigid import frame
-from gearsim.kernels.branches import Branches, Tile, reach_of
+from gearsim.kernels.branches import Branches, Tile, at_end, branch_at, reach_of
+from gearsim.kernels.pose import Motion, place_at
 from gearsim.kernels.profile import Cutters, convex_part
 from gearsim.motion.segments import compile_motion
 from gearsim.motion.sources import CLMotion
@@ -20,7 +21,7 @@ from gearsim.simulation.dexels import DexelBox
 from gearsim.simulation.intervals import IntervalSet, subtract
 from gearsim.simulation.removal import cut
 from gearsim.simulation.tiles import TileCutter
-from gearsim.simulation.tools import cutter_data
+from gearsim.simulation.tools import cutter_data, motion_data
 from tests.cutters.shapes import lollipop
 
 TOLERANCE = 1e-7
@@ -144,7 +145,8 @@ def test_a_tool_tangent_to_grid_planes_leaves_no_slivers(y):
 @wp.kernel(enable_backward=False)
 def reach_kernel(
     cutters: Cutters, branches: Branches, node: wp.array(dtype=wp.int32), a: wp.vec3d, b: wp.vec3d,
-    origin: wp.array(dtype=wp.vec3d), direction: wp.vec3d, window: wp.vec2d, out: wp.array2d(dtype=wp.float64),
+    origin: wp.array(dtype=wp.vec3d), direction: wp.vec3d, window: wp.vec2d, motion: Motion, way: wp.float64,
+    beside: wp.array(dtype=wp.vec2d), out: wp.array2d(dtype=wp.float64),
 ):  # fmt: skip
     i = wp.tid()
     tile = Tile()
@@ -152,43 +154,54 @@ def reach_kernel(
     tile.direction = direction
     tile.a = a
     tile.b = b
-    reach = reach_of(convex_part(cutters, 0, wp.float64(50.0)), branches, node[i], tile, window)
+    branch = branch_at(branches, node[i])
+    if way != wp.float64(0.0):
+        place = place_at(motion, node[i], way)
+        branch = at_end(branch, place.tip, place.axis, way)
+    reach = reach_of(convex_part(cutters, 0, wp.float64(50.0)), branch, tile, window)
     out[i, 0] = wp.where(reach.found == 1, reach.lo, wp.float64(1.0e30))
     out[i, 1] = wp.where(reach.found == 1, reach.hi, wp.float64(-1.0e30))
-    out[i, 2] = reach.first
-    out[i, 3] = reach.last
+    at = wp.vec3d(wp.float64(1.0), beside[i][0], beside[i][1])
+    out[i, 2] = wp.max(reach.first, wp.dot(reach.early, at))
+    out[i, 3] = wp.min(reach.last, wp.dot(reach.late, at))
 
 
+def reaches(table, cutter, levels, roots, node, origin, a, b, way=0.0, at=None):
+    """(chord, chord, first, last) of tiles' rays ``at`` (s, t), of branches that stand at ``node``."""
+    data, tools, n = branch_data(levels, roots, "cpu"), cutter_data([cutter], "cpu"), len(node)
+    out = wp.zeros((n, 4), dtype=wp.float64)
+    inputs = [tools, data, wp.array(node, dtype=wp.int32), wp.vec3d(*a), wp.vec3d(*b)]
+    inputs += [wp.array(origin, dtype=wp.vec3d), wp.vec3d(0.0, 0.0, 1.0), wp.vec2d(-9.0, 9.0)]
+    inputs += [motion_data(table, "cpu"), way, wp.array(np.zeros((n, 2)) if at is None else at, dtype=wp.vec2d)]
+    wp.launch(reach_kernel, dim=n, inputs=inputs, outputs=[out])
+    return out.numpy()
+
+
+@pytest.mark.parametrize("way", [0.0, -1.0, 1.0])
 @pytest.mark.parametrize("name", ["ball", "flat", "bull"])
-def test_no_ray_of_a_tile_meets_the_tool_outside_a_branch_s_reach(name):
-    """Rays anywhere in tiles, at the middle poses of all rows of branches of every level."""
-    cutter, rng = CUTTERS[name], np.random.default_rng(5)
+def test_no_ray_of_a_tile_meets_the_tool_outside_a_branch_s_reach(name, way):
+    """Rays anywhere in tiles, at poses of rows: of branches of every level, and of a row seen from its end."""
+    cutter, rng, n = CUTTERS[name], np.random.default_rng(5), 4000
     table = compile_motion(ramps(), cutter.reach)
     levels = halved(table, cutter.reach)
     roots, _, _ = roots_of(levels, cutter)
     held = np.concatenate([np.arange(i << k, min((i + 1) << k, len(table))) for k, i in roots])
     assert np.array_equal(np.sort(held), np.arange(len(table)))
-    data, tools = branch_data(levels, roots, "cpu"), cutter_data([cutter], "cpu")
-    a, b, n = np.array([0.3, 0.0, 0.0]), np.array([0.0, 0.2, 0.0]), 4000
-    level = rng.integers(0, 5, n)
+    a, b = np.array([0.3, 0.0, 0.0]), np.array([0.0, 0.2, 0.0])
+    level = rng.integers(0, 5, n) if way == 0.0 else np.zeros(n, dtype=int)
     branch = rng.integers(0, -(-len(table) // (1 << level)))
     row = np.minimum((branch << level) + rng.integers(0, 1 << level), len(table) - 1)
+    at = rng.uniform(-1.0, 1.0, (n, 2))
     middle = table.tip[row, 0] * [1, 1, 0] + rng.uniform(-2.0, 2.0, (n, 3)) * [1, 1, 0]
-    beside = middle + rng.uniform(-1.0, 1.0, (n, 1)) * a + rng.uniform(-1.0, 1.0, (n, 1)) * b
-
-    def reaches(node, origin, a, b):
-        out = wp.zeros((n, 4), dtype=wp.float64)
-        inputs = [tools, data, wp.array(node, dtype=wp.int32), wp.vec3d(*a), wp.vec3d(*b)]
-        inputs += [wp.array(origin, dtype=wp.vec3d), wp.vec3d(0.0, 0.0, 1.0), wp.vec2d(-9.0, 9.0)]
-        wp.launch(reach_kernel, dim=n, inputs=inputs, outputs=[out])
-        return out.numpy()
-
+    beside = middle + at[:, :1] * a + at[:, 1:] * b
     first = np.cumsum([0, *(len(k.rest) for k in levels)])
-    bound = reaches(first[level] + branch, middle, a, b)
-    chord = reaches(row, beside, 0.0 * a, 0.0 * b)
-    lo, hi = np.maximum(chord[:, 0], -9.0), np.minimum(chord[:, 1], 9.0)
-    met = lo < hi
-    assert 500 < met.sum() < n
-    assert np.all(bound[met, 2] <= lo[met])
-    assert np.all(bound[met, 3] >= hi[met])
+    known = (table, cutter, levels, roots)
+    bound = reaches(*known, first[level] + branch, middle, a, b, way, at)
+    for pose in (0.0, -1.0, 0.37, 1.0):
+        chord = reaches(*known, row, beside, 0.0 * a, 0.0 * b, pose)
+        lo, hi = np.maximum(chord[:, 0], -9.0), np.minimum(chord[:, 1], 9.0)
+        met = lo < hi
+        assert 500 < met.sum() < n
+        assert np.all(bound[met, 2] <= lo[met])
+        assert np.all(bound[met, 3] >= hi[met])
     assert (bound[:, 2] > bound[:, 3]).sum() > 200
