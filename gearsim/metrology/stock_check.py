@@ -43,7 +43,8 @@ _ROWS, _COLUMNS, _MARGIN = 33, 129, 0.01
 @dataclass(frozen=True)
 class OperationFigures:
     """What an operation did: its ``rows`` and, of each (rows,), ``volume`` [mm³] taken, ``way`` [mm] of the tip and
-    ``seconds`` (nan where nothing says them). ``removed`` [mm³] by each bundle of the fine box.
+    ``seconds`` (nan where nothing says them). ``removed`` [mm³] by each bundle of the fine box. ``near``: how many of
+    its rows by rapid are not for certain clear of the uncut blank.
     """
 
     operation: Operation
@@ -51,6 +52,7 @@ class OperationFigures:
     volume: NDArray[np.floating]
     way: NDArray[np.floating]
     seconds: NDArray[np.floating]
+    near: int
 
     @property
     def name(self) -> str:
@@ -89,7 +91,7 @@ class StockInspection:
     """A ``blank`` cut by a variant, ``copies`` times about the part's axis, seen by the tri-dexel of a box.
 
     ``intended``: the solid that the whole stock is held against, where there is one. ``rapid_mm_min``: how fast the
-    tip goes by rapid (None: not known). ``told``: whether rapids through material are told by another inspection.
+    tip goes by rapid (None: not known).
     """
 
     variant: str
@@ -98,7 +100,6 @@ class StockInspection:
     copies: int = 1
     spaces: int = 1
     rapid_mm_min: float | None = None
-    told: bool = False
     intended: MachinedSolid | None = None
     name: str = "stock"
 
@@ -123,7 +124,7 @@ class StockInspection:
             found, doubts = beside_solid(self.intended, machined.stock)
             surfaces.append(found)
             findings += list(_judged(found, self.intended.tolerance, job))
-        findings += [] if self.told else list(self._rapids(machined, job))
+        findings += self._rapids(machined, job)
         measured = StockMeasurement(
             self.variant, machined.stock, machined.contour, machined.blank_volumes, self.blank.volume,
             at_vertices(machined.contour, self._deviation(job, machined.contour)), figures, tuple(surfaces),
@@ -163,7 +164,7 @@ class StockInspection:
         if self.rapid_mm_min is not None:
             seconds = np.where(operation.rapid, 60.0 * way / self.rapid_mm_min, seconds)
         x, y, z = (float(v) for v in removed)
-        return OperationFigures(operation, (x, y, z), work.volume, way, seconds)
+        return OperationFigures(operation, (x, y, z), work.volume, way, seconds, work.near)
 
     def _rapids(self, machined: Machined, job: Job) -> Iterator[Finding]:
         for work in machined.work:

@@ -47,6 +47,7 @@ def figures(m: StockMeasurement) -> dict[str, Any]:
             "unseen_mm3": m.contour.unseen,
         },
         "operations": [_operation(o) for o in m.operations],
+        "rapids": _rapids(m),
         "surfaces": {
             s.surface: {
                 "ends": s.ends,
@@ -80,6 +81,12 @@ def _operation(o: OperationFigures) -> dict[str, Any]:
     }
 
 
+def _rapids(m: StockMeasurement) -> dict[str, Any]:
+    """How rapids were looked at: what none of three bundles of rays meets holds no ball that is wider than told."""
+    rows, near = (sum(n) for n in zip(*((int(o.operation.rapid.sum()), o.near) for o in m.operations), strict=True))
+    return {"rows": rows, "near_the_blank": near, "widest_unseen_mm": 2.0**0.5 * m.stock.box.pitch}
+
+
 def sections(_: Result, found: Sequence[StockMeasurement]) -> dict[str, str]:
     return {"beside": "".join(map(_section, found))}
 
@@ -102,7 +109,7 @@ def _section(m: StockMeasurement) -> str:
         f"## The whole part\n\n{_of(m)} ({m.exact_blank_volume:.1f} mm³) by a tri-dexel of {told['rays']:,} rays, "
         f"{told['pitch_mm']:g} mm apart: {_three(m.blank_volumes)} mm³; left are {_three(m.stock.volumes)} mm³. The "
         f"three bundles' spread tells the grid's error. Its closed surface of {len(mesh.triangles):,} triangles holds "
-        f"{mesh.volume:.1f} mm³.\n\n" + table(head, rows)
+        f"{mesh.volume:.1f} mm³.\n\n" + table(head, rows) + _of_rapids(told["rapids"])
     )
     if near:
         text += (
@@ -110,6 +117,20 @@ def _section(m: StockMeasurement) -> str:
             "seen:\n\n" + table(["Surface", "ends", "lowest [µm]", "highest [µm]"], near)
         )
     return text + "\n"
+
+
+def _of_rapids(told: dict[str, Any]) -> str:
+    if not told["rows"]:
+        return "\nNothing is run by rapid.\n"
+    clear = (
+        f"\nOf {told['rows']:,} moves by rapid {told['rows'] - told['near_the_blank']:,} are clear of the uncut blank"
+    )
+    if not told["near_the_blank"]:
+        return f"{clear}, for certain.\n"
+    return (
+        f"{clear}, for certain; the others were run through all rays as the stock stood then. What these do not see "
+        f"holds no ball of {told['widest_unseen_mm']:.3g} mm.\n"
+    )
 
 
 def screen(_: Result, found: Sequence[StockMeasurement], console: Console) -> None:

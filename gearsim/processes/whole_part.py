@@ -14,7 +14,6 @@ from gearsim.geometry.wedge import Wedge
 from gearsim.metrology.holder_check import HolderInspection
 from gearsim.metrology.job import Job
 from gearsim.metrology.other_spaces import SpacesInspection
-from gearsim.metrology.rapid_check import RapidInspection
 from gearsim.metrology.stock_check import StockInspection
 from gearsim.scene.stock import StockTable
 from gearsim.simulation.dexels import DexelBox
@@ -41,10 +40,8 @@ def with_stock(job: Job, table: StockTable) -> Job:
         blank, box = _sector(job.part, blank, spaces, table.pitch_mm)
     else:
         box = whole_box(blank, table.pitch_mm)
-    own = table.blank is None  # rapids are looked at in the part's own blank alone
-    told = own and any(isinstance(i, RapidInspection) and i.variant == job.main for i in job.inspections)
     copies = 1 if table.spaces == "one" else spaces
-    asked = StockInspection(job.main, blank, box, copies, spaces, table.rapid_mm_min, told)
+    asked = StockInspection(job.main, blank, box, copies, spaces, table.rapid_mm_min)
     kept = [i for i in job.inspections if copies == 1 or not isinstance(i, SpacesInspection)]  # the stock sees them all
     kept = [replace(i, stock=whole) if isinstance(i, HolderInspection) else i for i in kept]
     return replace(job, inspections=(*kept, asked))

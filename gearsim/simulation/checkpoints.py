@@ -58,7 +58,7 @@ class Checkpoints:
             row, *place, depth = kept["touch"] if len(kept["touch"]) else (0.0, 0.0, 0.0, 0.0, 0.0)
             touch = RapidTouch(int(row), np.array(place), float(depth)) if len(kept["touch"]) else None
             x, y, z = (float(v) for v in kept["left"])
-            return Work(self.operations[k], kept["volume"], (x, y, z), touch)
+            return Work(self.operations[k], kept["volume"], (x, y, z), touch, int(kept["near"]))
 
     def keep(self, kept: Kept) -> None:
         """Keep what is there after an operation; only together do its files count, and till then those before stay.
@@ -70,7 +70,7 @@ class Checkpoints:
         touch = [] if work.touch is None else [work.touch.row, *work.touch.place, work.touch.depth]
         try:
             self.folder.mkdir(parents=True, exist_ok=True)
-            np.savez(file, volume=work.volume, left=work.left, touch=np.array(touch, dtype=float))
+            np.savez(file, volume=work.volume, left=work.left, touch=np.array(touch, dtype=float), near=work.near)
         except OSError as error:
             raise InputError(f"{file}: cannot be written: {error.strerror or error}") from error
         digest = self._digest(count)

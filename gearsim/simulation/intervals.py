@@ -44,6 +44,15 @@ class IntervalSet:
         )  # fmt: skip
 
 
+def chosen(intervals: IntervalSet, rays: NDArray[np.integer]) -> IntervalSet:
+    """The intervals of some rays, in the order of these."""
+    count = np.diff(intervals.first)[rays]
+    first = np.concatenate([[0], np.cumsum(count)])
+    place = np.repeat(intervals.first[rays] - first[:-1], count) + np.arange(first[-1])
+    columns = (getattr(intervals, k)[place] for k in ("lo", "hi", "lo_segment", "hi_segment"))
+    return IntervalSet(first, *columns)
+
+
 def nothing(rays: int) -> IntervalSet:
     """No interval on any of some rays."""
     none = np.empty(0)

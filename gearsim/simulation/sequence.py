@@ -15,16 +15,15 @@ from gearsim.geometry.solid import Solid
 from gearsim.simulation.checkpoints import Checkpoints, Kept
 from gearsim.simulation.contour.surface import Contour, contour
 from gearsim.simulation.dexels import DexelBox
-from gearsim.simulation.intervals import subtract
 from gearsim.simulation.normals import EndNormals
 from gearsim.simulation.operation import Operation, Variant
+from gearsim.simulation.rapids import look_at_rapids
 from gearsim.simulation.room import require_room
 from gearsim.simulation.stock import AXES, Stock, after, blank_stock, cut_stock, material_rays, without
-from gearsim.simulation.work import RapidTouch, Work
+from gearsim.simulation.work import Work
 from gearsim.simulation.workshop import Workshop
 
 _LOOK_RAYS = 60_000
-_SEEN_MM = 1e-6
 _PART = Rigid(np.eye(3), np.zeros(3))
 
 
@@ -107,8 +106,8 @@ def machine(asked: Machining, workshop: Workshop) -> Machined:
     for operation in asked.operations[len(kept.stock.done) :]:
         stock = cut_stock(kept.stock, [operation], workshop)
         look, volume = _looked_at(kept.look, operation, workshop)
-        touch = _rapid_touch(kept.look, operation, volume, workshop)
-        kept = Kept(stock, look, [*kept.work, Work(operation, volume, stock.volumes, touch)])
+        touch, near = look_at_rapids(asked.blank, kept.stock, operation, workshop)
+        kept = Kept(stock, look, [*kept.work, Work(operation, volume, stock.volumes, touch, near)])
         if keeper:
             keeper.keep(kept)
     normals = EndNormals(asked.blank, asked.operations, workshop.device, workshop.tolerance)
@@ -125,30 +124,3 @@ def _looked_at(look: Stock, operation: Operation, workshop: Workshop) -> tuple[S
         left.append(without(material, np.arange(len(material.first) - 1), taken.removed, look.next_tag))
         volume += look.box.cell_area(axis) * taken.length / len(AXES)
     return after(look, left, operation), volume
-
-
-def _rapid_touch(look: Stock, operation: Operation, volume: NDArray, workshop: Workshop) -> RapidTouch | None:
-    """The first rapid that takes what all rows before it have left of a coarse stock, more than rounding."""
-    done = 0
-    for row in np.flatnonzero(operation.rapid & (volume > 0.0)).tolist():
-        look = cut_stock(look, [operation.part(np.arange(done, row))], workshop) if row > done else look
-        done = row
-        touch = _touch(look, operation, row, workshop)
-        if touch.depth > _SEEN_MM:
-            return touch
-    return None
-
-
-def _touch(left: Stock, operation: Operation, row: int, workshop: Workshop) -> RapidTouch:
-    """Where a row goes through most of what is left, along a ray, and how far."""
-    place, most = np.zeros(3), 0.0
-    for axis, material in zip(AXES, left.left, strict=True):
-        rays = material_rays(left, axis)
-        (removed,) = workshop.cut([(rays, [operation.part(np.array([row]))])])
-        lost = subtract(material, subtract(material, removed))
-        length = lost.hi - lost.lo
-        if length.max(initial=0.0) > most:
-            i = int(np.argmax(length))
-            most, middle = float(length[i]), 0.5 * (lost.lo[i] + lost.hi[i])
-            place = rays.origin[lost.ray[i]] + middle * rays.direction[lost.ray[i]]
-    return RapidTouch(row, place, most)

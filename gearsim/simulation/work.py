@@ -22,10 +22,12 @@ class Work(NamedTuple):
     """An operation that was done: the ``volume`` [mm³] that each of its rows was the first to take, (rows,).
 
     It is the mean of the three bundles of a coarser box; nan where rows are not cut in order (rings). ``left`` [mm³]
-    after it, by bundle of the fine box.
+    after it, by bundle of the fine box, whose rays all look for the ``touch`` of the first rapid that goes through
+    material; ``near`` counts the rows by rapid that are not for certain clear of the uncut blank.
     """
 
     operation: Operation
     volume: NDArray[np.floating]
     left: tuple[float, float, float]
     touch: RapidTouch | None
+    near: int
