@@ -65,9 +65,9 @@ def rapid_cut(blank: BevelBlank | None, place: NDArray, rays: int, name: str) ->
     return _place("rapid_cut", "blank", blank, place, None, True, text)
 
 
-def holder_cut(blank: BevelBlank | None, place: NDArray, rays: int, name: str) -> Finding:
-    """The first place where a holder, called ``name``, touches material: it fails, whatever the depth."""
-    text = f"{name} touches material: it cuts into what stands on {rays} rays"
+def holder_cut(blank: BevelBlank | None, place: NDArray, rays: int, depth: float, name: str, where: str) -> Finding:
+    """Where a holder, called ``name``, first touches material, and how deep [mm]: it fails, whatever the depth."""
+    text = f"{name} touches material {where}: it cuts {depth:.3g} mm deep into what stands on {rays} rays"
     return _place("holder_cut", "part", blank, place, None, True, text)
 
 

@@ -1,4 +1,4 @@
-"""Whether shanks and holders touch material: what they sweep, against what stands when they come by.
+"""Whether what stands above flutes touches material: what it sweeps, against what stands when it comes by.
 
 Rays look at the whole stock and at the measured surfaces. Where no holder ever comes near them nothing is left to ask;
 else the program is halved again and again: a part of it is clear if its holders touch nothing of what stands before it
@@ -19,6 +19,7 @@ from gearsim.geometry.solid import Solid
 from gearsim.metrology.chords import blank_rays, stock_chords
 from gearsim.metrology.findings import holder_cut
 from gearsim.metrology.grid import GridInspection
+from gearsim.metrology.indexed import deepest_in, tools_and_holders, where
 from gearsim.metrology.inspection import Cut, Reading, Steps
 from gearsim.simulation.dexels import DexelBox
 from gearsim.simulation.intervals import IntervalSet, subtract, whole
@@ -28,17 +29,21 @@ if TYPE_CHECKING:
     from gearsim.metrology.job import Job
 
 _SEEN_MM = 1e-3
-_TOLERANCE = 1e-9
-_MOST = 2000
+_MOST, _POINTS = 2000, 1000
 
 
 class Touch(NamedTuple):
-    """A holder's first touch: of which operation, by which of its rows, where [mm] (3,), on how many rays."""
+    """A holder's first touch: of which operation, by which of its rows, where [mm] (3,), on how many rays.
+
+    ``depth`` [mm]: how far under its surface, at most, it takes in what stands on these; ``body``: which of its bodies.
+    """
 
     operation: Operation
     row: int
     place: NDArray[np.floating]
     rays: int
+    depth: float
+    body: str
 
 
 @dataclass(frozen=True)
@@ -47,27 +52,27 @@ class HolderInspection:
 
     ``box``: where the stock's rays lie close. ``stock``: what it is cut from (None: the part's own). Of surfaces
     without a stock the intended material counts. Less than a micrometre on a ray does not: a shank as wide as its
-    cutter rubs along the wall.
+    cutter rubs along the wall. ``copies``: how often the variant is done, the part indexed about its axis.
     """
 
     variant: str
     grids: tuple[GridInspection, ...]
     box: DexelBox | None = None
     stock: Solid | None = None
+    copies: int = 1
     name: str = "holders"
 
     def steps(self, job: Job) -> Steps[Reading]:
         program = job.variant(self.variant)
-        holders = tuple(o.carried(_TOLERANCE) for o in program.operations if o.holder is not None)
-        moves = Moves.of(program, replace(program, operations=holders))
+        cutters, holders = tools_and_holders(program, self.copies)
+        moves = Moves.of(replace(program, operations=cutters), replace(program, operations=holders))
         touch, complete = yield from moves.first_touch(self._chords(job))
         doubts = () if complete else (f"holders come so close to the part that {_MOST} looks at them settled nothing",)
         if touch is None:
             return Reading((), (), doubts)
         blank = next((s.patch.blank for s in job.part.surfaces.values()), None)
-        line = int(touch.operation.line[touch.row])
-        called = f"the holder of {touch.operation.name}" + (f" in the move of line {line}" if line else "")
-        return Reading((), (holder_cut(blank, touch.place, touch.rays, called),), doubts)
+        called, place = f"the {touch.body} of {touch.operation.name}", where(touch.operation, touch.row, self.copies)
+        return Reading((), (holder_cut(blank, touch.place, touch.rays, touch.depth, called, place),), doubts)
 
     def _chords(self, job: Job) -> RayBundle:
         """Where there is material to begin with."""
@@ -136,8 +141,17 @@ class Moves:
         i = int(np.argmax(seen))
         place = chords.origin[lost.ray[i]] + lost.lo[i] * chords.direction[lost.ray[i]]
         mine = next(k for k, moves in enumerate(self.held_moves) if (moves == move).any())
-        row = int(np.argmax(self.held_moves[mine] == move))
-        return Touch(self.holders.operations[mine], row, place, len(np.unique(lost.ray[seen])))
+        operation, rows = self.holders.operations[mine], np.flatnonzero(self.held_moves[mine] == move)
+        depth, body = deepest_in(operation, rows, _points(chords, lost, np.flatnonzero(seen)))
+        return Touch(operation, int(rows[0]), place, len(np.unique(lost.ray[seen])), depth, body)
+
+
+def _points(chords: RayBundle, lost: IntervalSet, some: NDArray) -> NDArray:
+    """Ends and middles (n, 3) of some stretches, of a thousand of them if there are more."""
+    some = some[np.linspace(0, len(some) - 1, min(len(some), _POINTS)).astype(int)]
+    at = np.concatenate([lost.lo[some], 0.5 * (lost.lo[some] + lost.hi[some]), lost.hi[some]])
+    ray = np.tile(lost.ray[some], 3)
+    return chords.origin[ray] + at[:, None] * chords.direction[ray]
 
 
 def _chosen(variant: Variant, moves: Sequence[NDArray], begin: int, end: int) -> Variant:

@@ -56,7 +56,7 @@ def _inspections(scene: SculpturedScene, surface: str, paths: dict[str, Sculptur
     yield GougingInspection(
         surface, names[0], paths, compared, m.rows, m.columns, m.margin, m.ring_mm, m.tolerance_um
     )  # fmt: skip
-    if scene.holder is not None:
+    if scene.held() is not None:
         grid = GridInspection(surface, names[:1], (), m.rows, m.columns, m.margin)
         yield HolderInspection(names[0], (grid,))
     mills, margin = scene.catalogue.build(), scene.catalogue.margin

@@ -135,7 +135,7 @@ def _root(scene: FlankMillingScene, tooth: Tooth) -> list[Step]:
 
 
 def _step(scene: FlankMillingScene, table: OperationTable, passes: Sequence[tuple[str, CLMotion]]) -> Step:
-    return Step(Tool(table.cutter(), table.held()), table.feed_mm_min or scene.toolpath.feed_mm_min, passes)
+    return Step(Tool(table.cutter(), table.held(scene.nose)), table.feed_mm_min or scene.toolpath.feed_mm_min, passes)
 
 
 def _to_and_fro(motions: Sequence[CLMotion]) -> list[CLMotion]:

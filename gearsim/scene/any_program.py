@@ -10,6 +10,7 @@ import numpy as np
 from pydantic import Field, model_validator
 
 from gearsim.cutters.end_mills import flat
+from gearsim.cutters.holder import Section
 from gearsim.cutters.profile import Profile
 from gearsim.errors import InputError
 from gearsim.geometry.rigid import Rigid
@@ -17,11 +18,11 @@ from gearsim.machines.chain import Machine
 from gearsim.programs.gcode import ReadSettings
 from gearsim.scene.base import Scene
 from gearsim.scene.bevel import GeneratorTable, Number, ToothTable
-from gearsim.scene.catalogue import AnyCutter, AnyMachine
+from gearsim.scene.catalogue import AnyCutter, AnyMill, AnyRunMachine
 from gearsim.scene.cylindrical import CylindricalGearTable
 from gearsim.scene.flank_milling import FaceMilledFlankTable, RuledBevelTable
 from gearsim.scene.generated import FaceMilledTable, HeadTable, HypoidTable
-from gearsim.scene.holder import HolderTable
+from gearsim.scene.holder import HolderTable, above, above_mill
 from gearsim.scene.program import ControlTable, OffsetName
 from gearsim.scene.sculptured import NurbsTable
 from gearsim.scene.tables import Count, GridTable, Length, Table
@@ -38,19 +39,23 @@ Vector = tuple[Number, Number, Number]
 
 
 class ProgramToolTable(Table):
-    """An entry of [[tools]] by its T number: a ``cutter`` of any kind, or an end mill as cylindrical gears list it."""
+    """An entry of [[tools]] by its T number: a ``cutter`` of any kind, or an end mill as cylindrical gears list it.
+
+    ``length_mm``: so far over its tip the end mill goes on, as thick as its flutes.
+    """
 
     number: int = Field(default=1, ge=1, le=99_999_999)
-    cutter: AnyCutter | None = None
+    cutter: AnyMill | None = None
     holder: HolderTable | None = None
     name: str = "end mill"
     diameter_mm: Length | None = None
     flute_length_mm: Length | None = None
+    length_mm: Length | None = None
     flutes: int = Field(default=1, ge=1, le=20)
 
     @model_validator(mode="after")
     def _one_shape(self) -> ProgramToolTable:
-        known = ("name", "diameter_mm", "flute_length_mm", "flutes")
+        known = ("name", "diameter_mm", "flute_length_mm", "length_mm", "flutes")
         fields = {name: type(self).model_fields[name].default for name in known}
         mill = [name for name, default in fields.items() if getattr(self, name) != default]
         if self.cutter is not None and mill:
@@ -67,6 +72,12 @@ class ProgramToolTable(Table):
         assert self.diameter_mm is not None
         assert self.flute_length_mm is not None
         return flat(self.diameter_mm, self.flute_length_mm)
+
+    def above(self, nose: tuple[Section, ...] = ()) -> Profile | None:
+        """What stands above its flutes, the spindle's ``nose`` on top, where anything is given."""
+        if self.cutter is None:
+            return above_mill(self.build(), self.length_mm, self.holder, nose)
+        return above(self.cutter, self.holder, nose)
 
 
 class MountingTable(Table):
@@ -142,10 +153,10 @@ class ProgramScene(Scene):
     head: AnyCutter | None = None
     generator: GeneratorTable | None = None
     convex: HeadTable | None = None
-    cutter: AnyCutter | None = None
+    cutter: AnyMill | None = None
     holder: HolderTable | None = None
     tools: tuple[ProgramToolTable, ...] = ()
-    machine: AnyMachine | None = None
+    machine: AnyRunMachine | None = None
     toolpath: ProgramPathTable
     control: ControlTable | None = None
     metrology: ProgramMetrologyTable
@@ -222,10 +233,12 @@ class ProgramScene(Scene):
         return {tool.number: tool.build() for tool in self.tools}
 
     def holders(self) -> dict[int, Profile]:
-        """What stands above the cutters, where it is given, by their numbers."""
-        given = {1: self.holder, **{tool.number: tool.holder for tool in self.tools}}
-        cutters = self.cutters()
-        return {n: table.build(cutters[n].height) for n, table in given.items() if table is not None}
+        """What stands above the cutters' flutes, where it is given, by their numbers."""
+        nose = () if self.machine is None else self.machine.spindle_nose_mm
+        found = {tool.number: tool.above(nose) for tool in self.tools}
+        if self.cutter is not None:
+            found = {1: above(self.cutter, self.holder, nose)}
+        return {number: body for number, body in found.items() if body is not None}
 
     def controller(self) -> Machine | None:
         return None if self.machine is None else self.machine.build()

@@ -13,9 +13,11 @@ from pydantic import Field, TypeAdapter, ValidationError, create_model
 from gearsim.cutters.catalogue import CUTTERS
 from gearsim.cutters.profile import Profile
 from gearsim.errors import InputError
+from gearsim.geometry.solid import Solid
 from gearsim.machines.catalogue import MACHINES
 from gearsim.machines.chain import Machine
-from gearsim.scene.tables import Table
+from gearsim.scene.bodies import BodyTable
+from gearsim.scene.tables import Length, Table
 
 _Length = Annotated[float, Field(gt=-1e5, lt=1e5, allow_inf_nan=False)]
 _ToolLength = Annotated[float, Field(gt=-1e4, lt=1e4, allow_inf_nan=False)]  # no tool is ten metres long
@@ -36,6 +38,15 @@ class CatalogueTable(Table):
         return make(**{name: radians(v) if _is_angle(name) else v for name, v in given.items()})
 
 
+class MillTable(CatalogueTable):
+    """A cutter of the catalogue that is held against what it must not touch.
+
+    ``flute_length_mm``: how high over its tip it cuts (none: all of it does); its upper part must touch nothing.
+    """
+
+    flute_length_mm: Length | None = None
+
+
 class MachineTable(CatalogueTable):
     """A machine of the catalogue, with travel ``limits`` [mm, deg] of its owner's by axis name."""
 
@@ -47,6 +58,45 @@ class MachineTable(CatalogueTable):
         turned = {joint.name for joint in machine.joints if joint.is_rotary}
         inside = {a: np.radians(ends) if a in turned else ends for a, ends in self.limits.items()}
         return machine.limited(**{a: (float(low), float(high)) for a, (low, high) in inside.items()})
+
+
+class RunMachineTable(MachineTable):
+    """A machine that runs a scene's program: its bodies and speeds as well, where its owner names them.
+
+    ``spindle_nose_mm`` stands on what holds the tool, or on the tool itself: lower diameter, upper diameter and length
+    of its pieces. ``table`` and ``fixture`` move with the workpiece. ``max_feed`` and ``max_rapid`` [mm/min, deg/min]
+    are the fastest that axes go, by name.
+    """
+
+    spindle_nose_mm: tuple[tuple[Length, Length, Length], ...] = ()
+    table: tuple[BodyTable, ...] = ()
+    fixture: tuple[BodyTable, ...] = ()
+    max_feed: dict[str, Length] = Field(default_factory=dict)
+    max_rapid: dict[str, Length] = Field(default_factory=dict)
+
+    def build(self) -> Machine:
+        """The machine. Raises InputError for limits and speeds of axes it has not, and impossible bodies."""
+        machine = super().build()
+        for key in ("max_feed", "max_rapid"):
+            for name in getattr(self, key):
+                if name not in machine.axes:
+                    raise InputError(f"machine.{key}: no axis {name}; {machine.name} has {', '.join(machine.axes)}")
+        self.bodies()
+        return machine
+
+    def bodies(self) -> dict[str, list[Solid]]:
+        """Table and fixture, where they are given, in the frame of the machine's workpiece."""
+        given = {"table": self.table, "fixture": self.fixture}
+        return {name: [s for one in tables for s in one.build()] for name, tables in given.items() if tables}
+
+    def speeds(self, machine: Machine) -> tuple[dict[str, float], dict[str, float]]:
+        """``max_feed`` and ``max_rapid`` [mm/s, rad/s] of the machine's axes."""
+        turned = {joint.name for joint in machine.joints if joint.is_rotary}
+        feed, rapid = (
+            {name: (radians(value) if name in turned else value) / 60.0 for name, value in given.items()}
+            for given in (self.max_feed, self.max_rapid)
+        )
+        return feed, rapid
 
 
 _TOOLS = {name.replace("_", "-"): make for name, make in CUTTERS.items()}
@@ -82,7 +132,9 @@ def _any_of(catalogue: Mapping[str, Callable[..., Any]], base: type[CatalogueTab
 
 
 AnyCutter: Any = _any_of(_TOOLS, CatalogueTable)
+AnyMill: Any = _any_of(_TOOLS, MillTable)
 AnyMachine: Any = _any_of(MACHINES, MachineTable)
+AnyRunMachine: Any = _any_of(MACHINES, RunMachineTable)
 
 
 def read_cutter(words: Sequence[str]) -> Profile:

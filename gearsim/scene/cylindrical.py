@@ -8,14 +8,16 @@ from typing import Annotated, Literal
 
 from pydantic import Field, model_validator
 
+from gearsim.cutters.end_mills import flat
 from gearsim.cutters.profile import Profile
 from gearsim.errors import InputError
 from gearsim.machines.chain import Machine
 from gearsim.programs.gcode import ReadSettings
 from gearsim.scene.base import Scene, SimulationTable
 from gearsim.scene.bevel import Number
-from gearsim.scene.catalogue import AnyMachine
+from gearsim.scene.catalogue import AnyRunMachine
 from gearsim.scene.cylindrical_paths import EndMillTable, GearPathTable
+from gearsim.scene.holder import above_mill
 from gearsim.scene.program import ControlTable, PostTable
 from gearsim.scene.tables import Angle, Count, GridTable, Length, LengthOrZero, Table
 from gearsim.surfaces.cylindrical_gear import CylindricalGear
@@ -196,7 +198,7 @@ class CylindricalGearScene(Scene):
     """A cylindrical gear, planned, posted, read back, cut and inspected."""
 
     surface: CylindricalGearTable
-    machine: AnyMachine
+    machine: AnyRunMachine
     tools: tuple[EndMillTable, ...] = Field(min_length=1)
     toolpath: GearPathTable
     program: GearProgramTable = GearProgramTable()
@@ -236,8 +238,13 @@ class CylindricalGearScene(Scene):
         return (self.gear, self.surface.design, self.controller, *reading, self.paths, self.holders, self.probed)
 
     def holders(self) -> dict[int, Profile]:
-        """What stands above the tools, where it is given, by their numbers."""
-        return {t.number: t.holder.build(t.flute_length_mm) for t in self.tools if t.holder is not None}
+        """What stands above the tools' flutes, where it is given, by their numbers."""
+        nose, found = self.machine.spindle_nose_mm, dict[int, Profile]()
+        for t in self.tools:
+            body = above_mill(flat(t.diameter_mm, t.flute_length_mm), t.length_mm, t.holder, nose)
+            if body is not None:
+                found[t.number] = body
+        return found
 
     def finishing(self) -> Finishing:
         """What finishing is told. Raises InputError as ``paths`` does."""

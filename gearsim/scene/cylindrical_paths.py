@@ -31,12 +31,16 @@ Share = Annotated[float, Field(gt=0.0, le=1.0)]
 
 
 class EndMillTable(Table):
-    """An entry of the tool table: a cylindrical end mill, by its T number."""
+    """An entry of the tool table: a cylindrical end mill, by its T number.
+
+    ``length_mm``: so far over its tip it goes on, as thick as its flutes.
+    """
 
     number: int = Field(default=1, ge=1, le=99_999_999)
     name: str = "end mill"
     diameter_mm: Length
     flute_length_mm: Length
+    length_mm: Length | None = None
     flutes: int = Field(ge=1, le=20)
     holder: HolderTable | None = None
 

@@ -3,16 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import partial
 from math import radians
 from typing import Literal
 
 from pydantic import Field, model_validator
 
+from gearsim.cutters.holder import Section
 from gearsim.cutters.profile import Profile
 from gearsim.scene.base import Scene
 from gearsim.scene.bevel import BevelBlankTable, GeneratorTable, Number, ToothTable, Turn
-from gearsim.scene.catalogue import AnyCutter
-from gearsim.scene.holder import HolderTable
+from gearsim.scene.catalogue import AnyCutter, AnyMill
+from gearsim.scene.holder import HolderTable, above
 from gearsim.scene.program import ProgramTable
 from gearsim.scene.slot_operations import RootTable, RoughingTable, SemiFinishingTable
 from gearsim.scene.tables import Angle, Count, GridTable, Length, LengthOrZero, Table
@@ -137,7 +139,7 @@ class FlankMillingScene(Scene):
     """A scene that flank-mills a spiral bevel gear."""
 
     surface: RuledBevelTable | FaceMilledFlankTable = Field(discriminator="kind")
-    cutter: AnyCutter
+    cutter: AnyMill
     holder: HolderTable | None = None
     toolpath: ToolpathTable = ToolpathTable()
     roughing: RoughingTable | None = None
@@ -185,14 +187,20 @@ class FlankMillingScene(Scene):
         return profile
 
     def held(self) -> Profile | None:
-        """What stands above the cutter, where it is given."""
-        return None if self.holder is None else self.holder.build(self.tool().height)
+        """What stands above the cutter's flutes, where it is given."""
+        return above(self.cutter, self.holder, self.nose)
 
     @property
     def has_holders(self) -> bool:
         """Whether anything is known to stand above a tool."""
-        tables = (self, self.roughing, self.semi_finishing, self.root)
-        return any(table is not None and table.holder is not None for table in tables)
+        tables = (self.roughing, self.semi_finishing, self.root)
+        return self.held() is not None or any(t is not None and t.held(self.nose) is not None for t in tables)
+
+    @property
+    def nose(self) -> tuple[Section, ...]:
+        """The spindle's nose, where the machine has one."""
+        found: tuple[Section, ...] = () if self.program is None else self.program.machine.spindle_nose_mm
+        return found
 
     def planners(self) -> dict[Side, FlankPass]:
         """Our planner's pass for each flank."""
@@ -202,5 +210,5 @@ class FlankMillingScene(Scene):
     def builders(self) -> tuple[Callable[[], object], ...]:
         program = (self.program.controlled, self.program.options) if self.program else ()
         others = [t for t in (self.roughing, self.semi_finishing, self.root) if t is not None]
-        tools = (build for table in others for build in (table.cutter, table.held))
+        tools = (build for table in others for build in (table.cutter, partial(table.held, self.nose)))
         return (self.tooth, self.tool, self.held, *tools, *program)

@@ -14,7 +14,7 @@ from gearsim.machines.chain import Machine
 from gearsim.programs.gcode import ReadSettings
 from gearsim.programs.post_options import FeedMode, PostOptions
 from gearsim.scene.bevel import Number
-from gearsim.scene.catalogue import AnyMachine
+from gearsim.scene.catalogue import AnyRunMachine
 from gearsim.scene.tables import Length, Table
 
 
@@ -102,7 +102,7 @@ class ControlTable(Table):
 class ProgramTable(PostTable):
     """Table [program]: the machine, its spindle speed and the cutter's flutes, beside how it is written."""
 
-    machine: AnyMachine
+    machine: AnyRunMachine
     spindle_rpm: Length
     flutes: int = Field(ge=1, le=100)
 

@@ -16,8 +16,8 @@ from gearsim.errors import InputError, is_file
 from gearsim.gouging.khan.worked_sections import SECTIONS, worked_rows
 from gearsim.gouging.standard_mills import khan_mills, metric_mills, ranked
 from gearsim.scene.base import Scene
-from gearsim.scene.catalogue import AnyCutter
-from gearsim.scene.holder import HolderTable
+from gearsim.scene.catalogue import AnyCutter, AnyMill
+from gearsim.scene.holder import HolderTable, above
 from gearsim.scene.tables import Count, GridTable, Length, LengthOrZero, Table
 from gearsim.surfaces.nurbs import NurbsSurface
 from gearsim.surfaces.nurbs_file import load_surfaces
@@ -130,7 +130,7 @@ class SculpturedScene(Scene):
     """
 
     surface: NurbsTable
-    cutter: AnyCutter
+    cutter: AnyMill
     holder: HolderTable | None = None
     larger: AnyCutter | None = None
     printed: AnyCutter | None = None
@@ -154,8 +154,8 @@ class SculpturedScene(Scene):
         return {name: table.build() for name, table in given.items() if table is not None}
 
     def held(self) -> Profile | None:
-        """What stands above the chosen cutter, where it is given."""
-        return None if self.holder is None else self.holder.build(self.tools()["chosen"].height)
+        """What stands above the chosen cutter's flutes, where it is given."""
+        return above(self.cutter, self.holder)
 
     def builders(self) -> tuple[Callable[[], object], ...]:
         return (self.tools, self.held, self.catalogue.build)

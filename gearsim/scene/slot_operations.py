@@ -6,16 +6,17 @@ from typing import Literal
 
 from pydantic import Field
 
+from gearsim.cutters.holder import Section
 from gearsim.cutters.profile import Profile
-from gearsim.scene.catalogue import AnyCutter
-from gearsim.scene.holder import HolderTable
+from gearsim.scene.catalogue import AnyMill
+from gearsim.scene.holder import HolderTable, above
 from gearsim.scene.tables import Length, LengthOrZero, Table
 
 
 class OperationTable(Table):
     """A tool with what stands above it, and its feed (none: that of [toolpath])."""
 
-    tool: AnyCutter
+    tool: AnyMill
     holder: HolderTable | None = None
     feed_mm_min: Length | None = None
 
@@ -23,9 +24,9 @@ class OperationTable(Table):
         profile: Profile = self.tool.build()
         return profile
 
-    def held(self) -> Profile | None:
-        """What stands above the tool, where it is given."""
-        return None if self.holder is None else self.holder.build(self.cutter().height)
+    def held(self, nose: tuple[Section, ...] = ()) -> Profile | None:
+        """What stands above the tool's flutes, the spindle's ``nose`` on top, where anything is given."""
+        return above(self.tool, self.holder, nose)
 
 
 class RoughingTable(OperationTable):

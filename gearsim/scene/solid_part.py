@@ -10,9 +10,11 @@ from pydantic import Field, model_validator
 
 from gearsim.cutters.profile import Profile
 from gearsim.geometry.solid import Shifted, Solid
+from gearsim.machines.chain import Machine
 from gearsim.scene.any_program import ProgramToolTable
 from gearsim.scene.base import Scene
 from gearsim.scene.bevel import Number
+from gearsim.scene.catalogue import AnyRunMachine
 from gearsim.scene.stock import AnyBlank, StockTable
 from gearsim.scene.tables import Length, Table
 from gearsim.surfaces.machined_solid import MachinedSolid
@@ -96,11 +98,15 @@ class SolidMetrologyTable(Table):
 
 
 class SolidScene(Scene):
-    """A solid part, its blank, and operations in sequence with tools by their numbers."""
+    """A solid part, its blank, and operations in sequence with tools by their numbers.
+
+    A [machine] cuts nothing else: its travel, speeds and bodies are looked at.
+    """
 
     surface: SolidTable
     stock: StockTable
     tools: tuple[ProgramToolTable, ...] = Field(min_length=1)
+    machine: AnyRunMachine | None = None
     operations: tuple[AnyOperation, ...] = Field(min_length=1)
     metrology: SolidMetrologyTable
 
@@ -129,9 +135,12 @@ class SolidScene(Scene):
         return {tool.number: tool.build() for tool in self.tools}
 
     def holders(self) -> dict[int, Profile]:
-        """What stands above the cutters, where it is given, by their numbers."""
-        cutters = self.cutters()
-        return {t.number: t.holder.build(cutters[t.number].height) for t in self.tools if t.holder is not None}
+        """What stands above the cutters' flutes, where it is given, by their numbers."""
+        nose = () if self.machine is None else self.machine.spindle_nose_mm
+        return {tool.number: body for tool in self.tools if (body := tool.above(nose)) is not None}
+
+    def controller(self) -> Machine | None:
+        return None if self.machine is None else self.machine.build()
 
     def builders(self) -> tuple[Callable[[], object], ...]:
-        return (self.part, self.blank, self.cutters, self.holders)
+        return (self.part, self.blank, self.cutters, self.holders, self.controller)

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from gearsim.cutters.flutes import fluted
 from gearsim.cutters.profile import Profile
 from gearsim.geometry.pose import PoseSeries
 from gearsim.geometry.rigid import Rigid
@@ -41,7 +42,7 @@ class Operation:
     by rapid, ``step`` which move of the whole program they belong to, in its order, ``line`` in which line of
     ``text``, the program they came from, it stands (0: in none), and ``section`` under which of the program's
     ``headings``, where they are known; ``seconds`` how long a row takes (nan: no feed says it, or it is by rapid).
-    ``holder`` is what stands above the cutter, where it is given.
+    ``holder`` is what stands above the cutter's flutes, where it is given: it may begin below the cutter's top.
     """
 
     name: str
@@ -61,8 +62,8 @@ class Operation:
         """Rows of the table."""
         return len(self.table)
 
-    def part(self, rows: NDArray) -> Operation:
-        """The same operation with the chosen rows alone: a mask or indices."""
+    def part(self, rows: NDArray | slice) -> Operation:
+        """The same operation with the chosen rows alone: a mask, indices or a slice."""
         columns: dict[str, Any] = {name: getattr(self, name)[rows] for name in _COLUMNS}
         return replace(self, table=self.table.part(rows), **columns)
 
@@ -81,6 +82,12 @@ class Operation:
         same = row[np.searchsorted(kept, there[np.isin(there, kept)])]
         columns: dict[str, Any] = {name: getattr(self, name)[same] for name in _COLUMNS}
         return replace(self, cutter=self.holder, holder=None, table=table, **columns)
+
+    def by_flutes(self) -> Operation:
+        """What it cuts with its flutes alone, where its holder begins below the cutter's top; else itself."""
+        if self.holder is None or not self.holder.box[2] < self.cutter.height:
+            return self
+        return replace(self.part(slice(None)), cutter=fluted(self.cutter, self.holder.box[2]))
 
     def motions(self) -> list[MotionSource]:
         """The exact motions of its rows in feed, cut up where rows are missing or run by rapid."""

@@ -63,12 +63,14 @@ def test_a_surface_that_is_too_low_all_over_is_told_once():
     assert told.depth_um == pytest.approx(-50.0)
 
 
-@pytest.mark.parametrize(("overrides", "told"), [((), True), ((BAR,), False)], ids=["own", "bar"])
-def test_rapids_through_another_blank_are_told_by_the_stock_itself(overrides, told):
-    assert planned(*overrides)[1].told == told
-
-
 def test_holders_are_looked_at_in_the_blank_that_is_given():
     job, asked = planned(BAR, "holder.sections_mm=[[20.0, 20.0, 40.0]]")
     (holders,) = (i for i in job.inspections if isinstance(i, HolderInspection))
     assert holders.stock is asked.blank
+
+
+@pytest.mark.parametrize(("spaces", "copies"), [("one", 1), ("all", 33), ("sector", 33)])
+def test_holders_are_looked_at_in_the_whole_blank_in_all_spaces_that_are_cut(spaces, copies):
+    job, _ = planned(f'stock.spaces="{spaces}"', "stock.pitch_mm=1.0", "holder.sections_mm=[[20.0, 20.0, 40.0]]")
+    (holders,) = (i for i in job.inspections if isinstance(i, HolderInspection))
+    assert (holders.stock, holders.copies) == (job.part.stock, copies)

@@ -1,15 +1,18 @@
 """Shanks and holders against what stands when they come by: pockets cut before, walls left, single moves."""
 
+from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
 from gearsim.cutters.catalogue import flat
-from gearsim.cutters.holder import holder
+from gearsim.cutters.holder import holder, standing_on
 from gearsim.geometry.rays import RayBundle, join_rays
+from gearsim.geometry.solid import Block
 from gearsim.geometry.turned import Turned
 from gearsim.metrology.holder_check import HolderInspection, Moves
+from gearsim.metrology.indexed import tools_and_holders
 from gearsim.metrology.inspection import perform
 from gearsim.metrology.job import Job
 from gearsim.motion.sources import CLMotion
@@ -102,3 +105,62 @@ def test_what_a_holder_does_keeps_the_columns_of_its_pieces():
     assert set(whole.part(whole.table.path == 1).carried(1e-9).table.path.tolist()) == {1}
     with pytest.raises(ValueError, match="no holder"):
         carried.carried(1e-9)
+
+
+@pytest.mark.parametrize(("longer", "touches"), [(-0.01, False), (1.0, True)])
+def test_a_holder_one_millimetre_too_long_is_found_as_deep_and_one_that_is_clear_is_not(longer, touches):
+    """Its lower face stands 8 mm over the tip, less what it is too long, and the tip 8 mm below the top."""
+    held = holder(5.0, [(8.0, 8.0, 3.0 - longer), (30.0, 40.0, 20.0)])
+    found = finding(held, level(4.0), level(8.0))
+    assert (found is not None) == touches
+    if touches:
+        assert "the holder of mill touches material in move 1 of its path 2: it cuts 1 mm deep" in found.text
+
+
+FLUTED = standing_on(flat(10.0, 30.0), 5.0, ())
+
+
+def with_flutes(*paths):
+    sources = [CLMotion(np.array(p, dtype=float), np.tile(UP, (len(p), 1))) for p in paths]
+    whole = operation("mill", flat(10.0, 30.0), sources, 1e-9, holder=FLUTED)
+    part = Part("frame", DISC, {"top": SimpleNamespace(patch=SimpleNamespace(blank=None), tolerance=None)})
+    job = Job("disc", part, (Variant("program", "", (whole,)),), "program", ())
+    return perform(HolderInspection("program", ()).steps(job), Workshop("cpu")).findings
+
+
+@pytest.mark.parametrize(("depth", "touches"), [(5.0, False), (5.1, True)])
+def test_a_cut_deeper_than_the_flutes_is_found_without_a_holder(depth, touches):
+    """The cutter's upper part takes what its flutes, 5 mm high, do not reach."""
+    found = with_flutes(level(depth))
+    assert len(found) == touches
+    if touches:
+        assert "the upper part of mill touches material" in found[0].text
+        assert "it cuts 0.1 mm deep" in found[0].text
+
+
+def test_an_upper_part_as_thick_as_the_flutes_rubs_along_what_they_cut():
+    assert with_flutes([[-9.0, 0.0, -5.0], [9.0, 0.0, -5.0]], [[-9.0, 0.0, -9.0], [9.0, 0.0, -9.0]]) == ()
+
+
+def test_what_a_program_does_in_all_spaces_is_done_one_operation_after_the_other():
+    first, second = cut_by(THIN, [level(4.0), level(5.0)]), cut_by(THIN, [level(8.0)])
+    late = replace(second.operations[0], step=second.operations[0].step + 2)
+    cutters, holders = tools_and_holders(Variant("program", "", (*first.operations, late)), 3)
+    steps = [sorted(set(o.step.tolist())) for o in cutters]
+    assert [len(s) for s in steps] == [6, 3]
+    assert max(steps[0]) < min(steps[1])
+    assert [o.step.tolist() for o in holders] == [o.step.tolist() for o in cutters]
+    assert all(o.cutter is THIN for o in holders)
+
+
+def test_it_is_told_in_which_space_a_holder_touches():
+    """A quarter turn on there stands a block that the program of the first space does not come to."""
+    whole = cut_by(WIDE, [[[20.0, 0.0, 1.0], [30.0, 0.0, 1.0]]])
+    aside = Block(np.array([-5.0, 20.0, 0.0]), np.array([5.0, 30.0, 9.5]))
+    job = Job("disc", Part("frame", DISC, {}), (whole,), "program", ())
+    for copies, told in ((1, 0), (4, 1)):
+        found = perform(
+            HolderInspection("program", (), stock=aside, copies=copies).steps(job), Workshop("cpu")
+        ).findings
+        assert len(found) == told
+    assert "touches material in move 1 of its path 1, space 2: it cuts 3.5 mm deep" in found[0].text
