@@ -22,7 +22,7 @@ class Holder(Profile):
 
     def called(self, height: float) -> str:
         """The body at a height [mm]; the one above where two meet."""
-        return [self.bodies[0][0], *(name for name, bottom in self.bodies if bottom <= height)][-1]
+        return [self.bodies[0][0], *(name for name, bottom in self.bodies if bottom <= height + _SAME)][-1]
 
 
 def holder(bottom: float, sections: Sequence[Section]) -> Holder:

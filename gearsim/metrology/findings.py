@@ -71,6 +71,17 @@ def holder_cut(blank: BevelBlank | None, place: NDArray, rays: int, depth: float
     return _place("holder_cut", "part", blank, place, None, True, text)
 
 
+def body_hit(part: Part, body: str, place: NDArray, depth: float, name: str, where: str) -> Finding:
+    """Where a tool's body, called ``name``, first hits a machine's, and how deep [mm] under its surface it goes."""
+    text = f"{name} hits the {body} {where}: it goes {depth:.3g} mm deep into it"
+    return _place("machine_hit", body, _blank(part), place, None, True, text)
+
+
+def axis_beyond(part: Part, kind: str, tip: NDArray, text: str) -> Finding:
+    """An axis beyond its travel or faster than it goes, and where the tool's tip is then."""
+    return _place(kind, "machine", _blank(part), tip, None, True, text)
+
+
 def through_material(part: Part, place: NDArray, depth_um: float, name: str) -> Finding:
     """The first place where a rapid move, called ``name``, goes through material that stands before it."""
     text = f"{name} goes through material, {1e-3 * depth_um:.4g} mm of it along a ray"

@@ -19,7 +19,7 @@ from gearsim.geometry.solid import Solid
 from gearsim.metrology.chords import blank_rays, stock_chords
 from gearsim.metrology.findings import holder_cut
 from gearsim.metrology.grid import GridInspection
-from gearsim.metrology.indexed import deepest_in, tools_and_holders, where
+from gearsim.metrology.indexed import deepest_in, tools_and_holders, where, who
 from gearsim.metrology.inspection import Cut, Reading, Steps
 from gearsim.simulation.dexels import DexelBox
 from gearsim.simulation.intervals import IntervalSet, subtract, whole
@@ -29,13 +29,14 @@ if TYPE_CHECKING:
     from gearsim.metrology.job import Job
 
 _SEEN_MM = 1e-3
-_MOST, _POINTS = 2000, 1000
+_MOST, _POINTS, _FEW = 2000, 1000, 32
 
 
 class Touch(NamedTuple):
     """A holder's first touch: of which operation, by which of its rows, where [mm] (3,), on how many rays.
 
-    ``depth`` [mm]: how far under its surface, at most, it takes in what stands on these; ``body``: which of its bodies.
+    ``depth`` [mm]: how far under its surface, at most, it takes in what stands on these, at ``points`` [mm] (n, 3) of
+    them; ``body``: which of its bodies.
     """
 
     operation: Operation
@@ -44,6 +45,7 @@ class Touch(NamedTuple):
     rays: int
     depth: float
     body: str
+    points: NDArray[np.floating]
 
 
 @dataclass(frozen=True)
@@ -71,7 +73,10 @@ class HolderInspection:
         if touch is None:
             return Reading((), (), doubts)
         blank = next((s.patch.blank for s in job.part.surfaces.values()), None)
-        called, place = f"the {touch.body} of {touch.operation.name}", where(touch.operation, touch.row, self.copies)
+        called, place = (
+            f"the {touch.body} of {who(touch.operation, touch.row)}",
+            where(touch.operation, touch.row, self.copies),
+        )
         return Reading((), (holder_cut(blank, touch.place, touch.rays, touch.depth, called, place),), doubts)
 
     def _chords(self, job: Job) -> RayBundle:
@@ -102,6 +107,29 @@ class Moves:
         split = np.split(number, np.cumsum([len(k) for k in keys])[:-1])
         n = len(cutters.operations)
         return cls(cutters, holders, tuple(split[:n]), tuple(split[n:]))
+
+    def first_hit(self, chords: RayBundle) -> Steps[Touch | None]:
+        """The first touch of chords from which nothing is ever cut; None: there is none.
+
+        Moves are asked for in order, ever more of them at a time, until some touch; these are halved.
+        """
+        end = 1 + max((int(m.max(initial=-1)) for m in self.held_moves), default=-1)
+        begin, many = 0, _FEW
+        while begin < end:
+            held = _lost(whole(chords), (yield from self._swept(chords, begin, min(begin + many, end))))
+            if _seen(held).any():
+                return (yield from self._first_of(chords.part(_on(held)), begin, min(begin + many, end)))
+            begin, many = begin + many, 2 * many
+        return None
+
+    def _first_of(self, chords: RayBundle, begin: int, end: int) -> Steps[Touch | None]:
+        """The first of some moves that touch chords."""
+        while end - begin > 1:
+            middle = (begin + end) // 2
+            held = _lost(whole(chords), (yield from self._swept(chords, begin, middle)))
+            begin, end = (begin, middle) if _seen(held).any() else (middle, end)
+        held = yield from self._swept(chords, begin, end)
+        return self._touch(chords, _lost(whole(chords), held), held, begin)
 
     def first_touch(self, chords: RayBundle) -> Steps[tuple[Touch | None, bool]]:
         """The first touch of material on chords that begin whole (None: there is none), and whether all was seen."""
@@ -142,8 +170,9 @@ class Moves:
         place = chords.origin[lost.ray[i]] + lost.lo[i] * chords.direction[lost.ray[i]]
         mine = next(k for k, moves in enumerate(self.held_moves) if (moves == move).any())
         operation, rows = self.holders.operations[mine], np.flatnonzero(self.held_moves[mine] == move)
-        depth, body = deepest_in(operation, rows, _points(chords, lost, np.flatnonzero(seen)))
-        return Touch(operation, int(rows[0]), place, len(np.unique(lost.ray[seen])), depth, body)
+        points = _points(chords, lost, np.flatnonzero(seen))
+        depth, body = deepest_in(operation, rows, points)
+        return Touch(operation, int(rows[0]), place, len(np.unique(lost.ray[seen])), depth, body, points)
 
 
 def _points(chords: RayBundle, lost: IntervalSet, some: NDArray) -> NDArray:

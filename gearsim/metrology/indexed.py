@@ -13,7 +13,7 @@ from gearsim.simulation.operation import Operation, Variant, turned_copies
 from gearsim.simulation.sequence import in_sequence
 
 _TOLERANCE = 1e-9
-_ROWS, _POSES = 8, 33
+_ROWS, _POSES, _ALONG, _AROUND = 8, 33, 5, 24
 
 
 def tools_and_holders(variant: Variant, copies: int) -> tuple[tuple[Operation, ...], tuple[Operation, ...]]:
@@ -44,11 +44,7 @@ def deepest_in(operation: Operation, rows: NDArray[np.integer], points: NDArray)
 
     It is looked at in 33 poses of each row, of at most eight rows.
     """
-    rows = rows[np.linspace(0, len(rows) - 1, min(len(rows), _ROWS)).astype(int)]
-    powers = np.vander(np.linspace(-1.0, 1.0, _POSES), DEGREE + 1, increasing=True)
-    tip, axis = (
-        np.einsum("xk,nkc->nxc", powers, c[rows]).reshape(-1, 1, 3) for c in (operation.table.tip, operation.table.axis)
-    )
+    tip, axis = _poses(operation, rows)
     off = points - tip
     z = (off * axis).sum(axis=-1)
     r = np.linalg.norm(off - z[..., None] * axis, axis=-1)
@@ -57,6 +53,36 @@ def deepest_in(operation: Operation, rows: NDArray[np.integer], points: NDArray)
     tool = operation.cutter
     body = tool.called(float(z.ravel()[deepest])) if isinstance(tool, Holder) else "cutter"
     return max(0.0, float(depth.ravel()[deepest])), body
+
+
+def surface_points(operation: Operation, row: int) -> NDArray[np.floating]:
+    """Points [mm] (n, 3) on the surface of an operation's tool, corners among them, in the move that a row is of."""
+    elements = operation.cutter.elements
+    element = np.repeat(np.arange(len(elements)), _ALONG)
+    s = np.concatenate([np.linspace(0.0, e.length, _ALONG) for e in elements])
+    meridian = operation.cutter.at(element, s)
+    table = operation.table
+    same = (table.path == table.path[row]) & (table.piece == table.piece[row])
+    tip, axis = _poses(operation, np.flatnonzero(same))
+    side = np.cross(axis, np.eye(3)[np.argmin(np.abs(axis[..., 0, :]).mean(axis=0))])
+    side /= np.linalg.norm(side, axis=-1, keepdims=True)
+    angle = np.linspace(0.0, 2.0 * np.pi, _AROUND, endpoint=False)[:, None, None, None]
+    out = np.cos(angle) * side + np.sin(angle) * np.cross(axis, side)
+    found: NDArray[np.floating] = tip + meridian.z[:, None] * axis + meridian.r[:, None] * out
+    return found.reshape(-1, 3)
+
+
+def _poses(operation: Operation, rows: NDArray[np.integer]) -> tuple[NDArray, NDArray]:
+    """Tips [mm] and axes, shape (n, 1, 3), in 33 poses of each of some rows, of at most eight of them."""
+    rows = rows[np.linspace(0, len(rows) - 1, min(len(rows), _ROWS)).astype(int)]
+    powers = np.vander(np.linspace(-1.0, 1.0, _POSES), DEGREE + 1, increasing=True)
+    tip, axis = (np.einsum("xk,nkc->nxc", powers, c[rows]) for c in (operation.table.tip, operation.table.axis))
+    return tip.reshape(-1, 1, 3), axis.reshape(-1, 1, 3)
+
+
+def who(operation: Operation, row: int) -> str:
+    """What the work that a row belongs to is called: by the program's heading where there are some."""
+    return operation.headings[operation.section[row]] if operation.headings else operation.name
 
 
 def where(operation: Operation, row: int, copies: int = 1) -> str:

@@ -69,16 +69,30 @@ class ProgramMotion:
         parts = zip(*(self._frame(piece[cut], Series.variable(t[cut], order)) for cut in cuts), strict=True)
         return FrameSeries(*(Series(np.concatenate([s.c for s in part], axis=1)) for part in parts))
 
-    def _frame(self, piece: NDArray, time: Series) -> FrameSeries:
+    def axes(self, piece: NDArray, time: Series) -> Series:
+        """Axis values [mm, rad], shape (n, k), as they are without tip control."""
         values = _line(self._ends, piece, time)
         turning = np.flatnonzero(self.blocks.sweep[self.rows][piece])
         if len(turning):
             values.c[:, turning, :3] = self._arc(piece[turning], Series(time.c[:, turning])).c
+        return values
+
+    def held(self, piece: NDArray) -> NDArray[np.bool_]:
+        """Whether pieces are run with tip control."""
+        control: NDArray[np.bool_] = self.blocks.tip_control[self.rows][piece]
+        return control
+
+    def tip(self, piece: NDArray, time: Series) -> Series:
+        """Tips [mm], shape (n, 3), as they are with tip control."""
+        return _line(self._tips, piece, time)
+
+    def _frame(self, piece: NDArray, time: Series) -> FrameSeries:
+        values = self.axes(piece, time)
         axes = range(values.c.shape[-1])
         tip, axis, radial = self.blocks.machine.frame_series([Series(values.c[..., i]) for i in axes])
-        held = np.flatnonzero(self.blocks.tip_control[self.rows][piece])
+        held = np.flatnonzero(self.held(piece))
         if len(held):
-            tip.c[:, held] = _line(self._tips, piece[held], Series(time.c[:, held])).c
+            tip.c[:, held] = self.tip(piece[held], Series(time.c[:, held])).c
         return FrameSeries(tip, axis, radial)
 
     @cached_property

@@ -40,6 +40,8 @@ _MODULES = {
     "ConvergenceMeasurement": "convergence",
     "DexelMeasurement": "dexels",
     "StockMeasurement": "stock",
+    "BodyMeasurement": "bodies",
+    "AxisMeasurement": "axes",
     "ToothMeasurement": "tooth",
     "BudgetMeasurement": "gear.budget",
     "RoughnessMeasurement": "gear.rough",

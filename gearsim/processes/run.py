@@ -20,6 +20,7 @@ from gearsim.metrology.study import Change, study_steps
 from gearsim.metrology.verdict import verdict
 from gearsim.output.presenters import flat_figures
 from gearsim.processes.claims import Claim
+from gearsim.processes.machine_checks import with_machine
 from gearsim.processes.whole_part import with_stock
 from gearsim.result import Result, versions
 from gearsim.scene import Scene, load_scene
@@ -73,6 +74,7 @@ def plan(scene: Scene, folder: Path | None = None) -> Job:
     job: Job = _planner(scene).plan(scene, folder)
     if scene.stock is not None and not any(isinstance(i, StockInspection) for i in job.inspections):
         job = with_stock(job, scene.stock)
+    job = with_machine(job, scene)
     return replace(job, notes=(*job.notes, elsewhere)) if elsewhere else job
 
 

@@ -25,14 +25,16 @@ def rows_near(table: SegmentTable, cutter: Profile, solid: Solid) -> NDArray[np.
     """
     height, radius = _balls(cutter)
     row, middle, half = np.arange(len(table)), np.zeros(len(table)), 1.0
+    found = np.zeros(len(table), dtype=bool)
     for _ in range(_HALVINGS + 1):
         parts = [slice(i, i + _AT_ONCE) for i in range(0, len(row), _AT_ONCE)]
         gaps = [_gap(table, solid, row[p], middle[p], height, radius) for p in parts]
-        near = np.concatenate([*gaps, np.empty(0)]) <= half * table.speed[row] + _ROUNDING
+        gap = np.concatenate([*gaps, np.empty(0)])
+        found[row[gap < -radius.max()]] = True  # a centre within the solid: no need to halve
+        near = (gap <= half * table.speed[row] + _ROUNDING) & ~found[row]
         row, middle = row[near], middle[near]
         half *= 0.5
         row, middle = np.tile(row, 2), np.concatenate([middle - half, middle + half])
-    found = np.zeros(len(table), dtype=bool)
     found[row] = True
     return found
 
