@@ -54,7 +54,8 @@ class AxisInspection:
     """The ``blocks`` of a program, its operations' ``names``, how fast axes go by name, in feed and by rapid [per s].
 
     ``frame`` takes the machine's workpiece to the part. Limits of travel are the machine's own, as the program counts:
-    from the work offset. ``blocks`` are None where no program for a machine is known.
+    from the work offset. ``blocks`` are None where no program for a machine is known. ``homing`` (n,) are those that go
+    home, where a program of a control also begins (None: of no control): where that is, nobody states.
     """
 
     variant: str
@@ -63,23 +64,37 @@ class AxisInspection:
     names: tuple[str, ...] = ()
     max_feed: Mapping[str, float] = field(default_factory=dict)
     max_rapid: Mapping[str, float] = field(default_factory=dict)
+    homing: NDArray[np.bool_] | None = None
     name: str = "machine axes"
 
     def steps(self, job: Job) -> Steps[Reading]:
         yield []
         if self.blocks is None:
             return Reading((AxisMeasurement(self.variant, (), float("nan")),))
-        travel, joints = axis_travel(self.blocks), self.blocks.machine.joints
+        travel, joints = self._travel(self.blocks), self.blocks.machine.joints
         speed = self._speeds(travel)
+        ends = [np.fmin.reduce(travel.least, axis=0), np.fmax.reduce(travel.largest, axis=0), speed.max(axis=0)]
         axes = tuple(
-            AxisFigures(
-                joint, float(travel.least[:, i].min()), float(travel.largest[:, i].max()), float(speed[:, i].max()),
-                self.max_feed.get(joint.name, np.inf),
-            )
-            for i, joint in enumerate(joints)
-        )  # fmt: skip
+            AxisFigures(joint, float(least), float(largest), float(fastest), self.max_feed.get(joint.name, np.inf))
+            for joint, least, largest, fastest in zip(joints, *ends, strict=True)
+        )
         findings = [f for i, joint in enumerate(joints) for f in self._beyond(job, i, joint, travel, speed)]
         return Reading((AxisMeasurement(self.variant, axes, self._rapid_seconds(travel)),), tuple(findings))
+
+    def _travel(self, blocks: Blocks) -> Travel:
+        """What the program states: nan where an axis stands where nobody says, until it goes anywhere from there."""
+        travel = axis_travel(blocks)
+        if self.homing is None:
+            return travel
+        moves, home = travel.rate > 0.0, self.homing[:, None]
+        row = np.arange(len(blocks))[:, None]
+        said, sent = (np.maximum.accumulate(np.where(m, row, -1), axis=0) for m in (moves & ~home, moves & home))
+        known = said > sent
+        began = np.concatenate([np.zeros_like(known[:1]), known[:-1]])
+        end, begin = np.where(known, blocks.values, np.nan), np.where(began, blocks.before, np.nan)
+        both = known & began
+        least, largest = np.fmin(begin, end), np.fmax(begin, end)
+        return Travel(np.where(both, travel.least, least), np.where(both, travel.largest, largest), travel.rate)
 
     def _speeds(self, travel: Travel) -> NDArray[np.floating]:
         """Largest speed [per s] of every axis in every block in feed whose time is known; 0 in the others."""
@@ -98,7 +113,7 @@ class AxisInspection:
     def _beyond(self, job: Job, i: int, joint: Joint, travel: Travel, speed: NDArray) -> Iterator[Finding]:
         unit, one = ("deg", degrees(1.0)) if joint.is_rotary else ("mm", 1.0)
         for value, limit, sign in ((travel.least[:, i], joint.lower, -1.0), (travel.largest[:, i], joint.upper, 1.0)):
-            over = sign * (value - limit)
+            over = np.nan_to_num(sign * (value - limit), nan=-np.inf, posinf=-np.inf, neginf=-np.inf)
             if isfinite(limit) and over.max(initial=0.0) > _ROUNDING:
                 worst = int(np.argmax(over))
                 text = (

@@ -25,8 +25,8 @@ def _axis(a: AxisFigures) -> dict[str, Any]:
     unit, one = ("deg", degrees(1.0)) if a.joint.is_rotary else ("mm", 1.0)
     return {
         "name": a.joint.name,
-        f"from_{unit}": one * a.least,
-        f"to_{unit}": one * a.largest,
+        f"from_{unit}": number(one * a.least),
+        f"to_{unit}": number(one * a.largest),
         f"lower_limit_{unit}": number(one * a.joint.lower),
         f"upper_limit_{unit}": number(one * a.joint.upper),
         f"fastest_{unit}_per_min": 60.0 * one * a.fastest,

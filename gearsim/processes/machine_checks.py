@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import replace
 from typing import NamedTuple
 
@@ -28,13 +29,15 @@ from gearsim.simulation.operation import Operation
 
 _STILL = Rigid(np.eye(3), np.zeros(3))
 _PROGRAM = "program.nc"
+_HOME = re.compile(r"G\s*(28|30)(?![\d.])")
 
 
 class _Run(NamedTuple):
-    """A program as a machine runs it: its blocks, and what their operations are called."""
+    """A program as a machine runs it: its blocks, what their operations are called, which of them go home."""
 
     blocks: Blocks
     names: tuple[str, ...]
+    homing: NDArray[np.bool_] | None = None
 
 
 def with_machine(job: Job, scene: Scene) -> Job:
@@ -67,20 +70,27 @@ def _axes(job: Job, table: RunMachineTable | None, frame: Rigid) -> AxisInspecti
     machine = table.build()
     run = _run(job, machine)
     feed, rapid = table.speeds(machine)
-    return AxisInspection(job.main, run.blocks, frame, run.names, feed, rapid)
+    return AxisInspection(job.main, run.blocks, frame, run.names, feed, rapid, run.homing)
 
 
 def _run(job: Job, machine: Machine) -> _Run:
     operations = job.variant(job.main).operations
     source = _bare(operations[0].sources[0])
     if isinstance(source, ProgramMotion):
-        return _Run(source.blocks, operations[0].headings)
+        return _Run(source.blocks, operations[0].headings, _homing(source.blocks, operations[0].text))
     if isinstance(source, AxisMotion):
         return _Run(_linear(operations[0], source), ())
     if _PROGRAM in job.files:
         program = read_program(job.files[_PROGRAM], machine)
-        return _Run(program.blocks, program.operations)
+        return _Run(program.blocks, program.operations, _homing(program.blocks, job.files[_PROGRAM]))
     return _Run(_along(operations, machine), tuple(o.name for o in operations))
+
+
+def _homing(blocks: Blocks, text: str) -> NDArray[np.bool_]:
+    """The blocks of lines with G28 or G30, which go where the machine's reference points are."""
+    lines = [False, *(_HOME.search(line.upper()) is not None for line in text.splitlines())]
+    found: NDArray[np.bool_] = np.array(lines)[np.where(blocks.line < len(lines), blocks.line, 0)]
+    return found
 
 
 def _frame(job: Job) -> Rigid:

@@ -89,3 +89,17 @@ def test_speeds_beyond_an_axis_s_own_are_told_and_rapids_take_as_long_as_the_slo
 def test_without_a_machine_nothing_is_known():
     texts, measured = told(None)
     assert (texts, measured.axes) == ([], ())
+
+
+def test_where_a_control_is_assumed_to_begin_is_no_travel_of_the_program():
+    """It begins, and ends by G28, at Z 500 and X 0; what the program itself states beyond the limits counts."""
+    machine = MACHINE.limited(Z=(-10.0, 400.0), X=(0.5, 9.0))
+    home = "G28 G91 Z0.", "G90"
+    for z, beyond in ((400.0, False), (450.0, True)):
+        given = blocks("G0 X0.5", f"G0 Z{z:g}.", *home, machine=machine)
+        asked = AxisInspection("program", given, STILL, homing=given.line >= 6)
+        reading = perform(asked.steps(Job("x", Part("frame", None, {}), (), "program", ())), Workshop("cpu"))
+        assert [f.text for f in reading.findings] == (
+            ["axis Z goes to 450 mm, 50 mm beyond its limit of 400 mm, in line 5"] * beyond
+        )
+        assert [a.largest for a in reading.measurements[0].axes if a.joint.name == "Z"] == pytest.approx([z])
