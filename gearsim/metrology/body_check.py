@@ -26,7 +26,7 @@ from gearsim.simulation.operation import Operation, Variant
 if TYPE_CHECKING:
     from gearsim.metrology.job import Job
 
-TABLE, FIXTURE = "table", "fixture"
+TABLE, FIXTURE, NOSE = "table", "fixture", "spindle nose"
 
 
 @dataclass(frozen=True)
@@ -43,11 +43,15 @@ class BodyLook:
 
 @dataclass(frozen=True)
 class BodyMeasurement:
-    """Looks at all bodies; ``missing`` are those that are not named, so that nothing is known of them."""
+    """Looks at all bodies; ``missing`` are those that are not named, so that nothing is known of them.
+
+    ``bare``: the operations of whose tools it is not known what stands above the flutes.
+    """
 
     variant: str
     looks: tuple[BodyLook, ...]
     missing: tuple[str, ...]
+    bare: tuple[str, ...]
     surface: str = ""
     inspection: str = "machine bodies"
 
@@ -77,7 +81,8 @@ class BodyInspection:
                 called = f"the {touch.body} of {who(touch.operation, touch.row)}"
                 told = where(touch.operation, touch.row, self.copies)
                 findings.append(body_hit(job.part, name, place, depth, called, told))
-        measured = BodyMeasurement(self.variant, tuple(looks), self.missing)
+        bare = tuple(dict.fromkeys(o.name for o in job.variant(self.variant).operations if o.holder is None))
+        measured = BodyMeasurement(self.variant, tuple(looks), self.missing, bare)
         return Reading((measured,), tuple(findings))
 
     def _tools(self, job: Job) -> tuple[Operation, ...]:

@@ -22,7 +22,7 @@ def figures(m: BodyMeasurement) -> dict[str, Any]:
             }
             for k in m.looks
         ],
-        "unchecked": list(m.missing),
+        "unchecked": [*m.missing, *(f"above the flutes: {name}" for name in m.bare)],
     }
 
 
@@ -31,7 +31,7 @@ def sections(_: Result, found: Sequence[BodyMeasurement]) -> dict[str, str]:
 
 
 def _section(m: BodyMeasurement) -> str:
-    text = "## Table and fixture\n\n"
+    text = "## Bodies of the machine\n\n"
     if m.looks:
         rows = [
             [k["name"], k["rows"], k["rows"] - k["near"], *(_plain(k[n]) for n in ("pitch_mm", "widest_unseen_mm"))]
@@ -44,7 +44,9 @@ def _section(m: BodyMeasurement) -> str:
             + table(["Body", "rows", "clear for certain", "rays apart [mm]", "ball unseen [mm]"], rows)
         )
     if m.missing:
-        text += f"\nUnchecked: no {' and no '.join(m.missing)} is named, so that nothing is known of hits with one.\n"
+        text += f"\nUnchecked: no {', no '.join(m.missing)} is named, so that nothing is known of hits with one.\n"
+    if m.bare:
+        text += f"\nUnchecked: what stands above the flutes is not named for {', '.join(m.bare)}.\n"
     return text + "\n"
 
 

@@ -14,7 +14,7 @@ from gearsim.geometry.rigid import Rigid
 from gearsim.machines.chain import Machine
 from gearsim.machines.path import axis_values
 from gearsim.metrology.axis_check import AxisInspection
-from gearsim.metrology.body_check import FIXTURE, TABLE, BodyInspection
+from gearsim.metrology.body_check import FIXTURE, NOSE, TABLE, BodyInspection
 from gearsim.metrology.job import Job
 from gearsim.metrology.stock_check import StockInspection
 from gearsim.motion.axes import AxisMotion
@@ -53,6 +53,7 @@ def with_machine(job: Job, scene: Scene) -> Job:
     given = {} if table is None else table.bodies()
     bodies = tuple((name, solid) for name, solids in given.items() for solid in solids)
     missing = tuple(name for name in (TABLE, FIXTURE) if name not in given)
+    missing += () if table is not None and table.spindle_nose_mm else (NOSE,)
     touched = BodyInspection(job.main, bodies, frame, copies, missing)
     return replace(job, inspections=(*job.inspections, touched, _axes(job, table, frame)))
 

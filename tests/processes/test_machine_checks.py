@@ -82,9 +82,12 @@ def test_injected_faults_fail_the_run_each_by_its_name():
 def test_where_nothing_is_named_it_is_said_that_nothing_was_looked_at():
     result = run("drill-grid", overrides=("stock.pitch_mm=2.0",))
     text, told = report(result), summary(result)["measurements"]["part"]["program"]
-    assert "Unchecked: no table and no fixture is named" in text
+    assert "Unchecked: no table, no fixture, no spindle nose is named" in text
     assert "Unchecked: travel and speed of axes: no machine is named" in text
-    assert told["machine_bodies"]["unchecked"] == ["table", "fixture"]
+    assert told["machine_bodies"]["unchecked"] == [
+        "table", "fixture", "spindle nose",
+        *(f"above the flutes: {o}" for o in ("through holes", "blind holes", "slot")),
+    ]  # fmt: skip
     assert told["machine_axes"]["unchecked"] == ["travel and speed of axes: no machine is named"]
 
 
