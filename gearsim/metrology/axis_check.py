@@ -25,8 +25,7 @@ _ROUNDING = 1e-9
 
 @dataclass(frozen=True)
 class AxisFigures:
-    """An axis: what it goes through and its limits [mm, rad], how fast it goes in feed and may go [per s] (inf: no
-    limit is named)."""
+    """An axis: what it goes through [mm, rad], how fast it goes in feed and may go [per s] (inf: nothing says it)."""
 
     joint: Joint
     least: float

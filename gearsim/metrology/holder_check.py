@@ -73,11 +73,9 @@ class HolderInspection:
         if touch is None:
             return Reading((), (), doubts)
         blank = next((s.patch.blank for s in job.part.surfaces.values()), None)
-        called, place = (
-            f"the {touch.body} of {who(touch.operation, touch.row)}",
-            where(touch.operation, touch.row, self.copies),
-        )
-        return Reading((), (holder_cut(blank, touch.place, touch.rays, touch.depth, called, place),), doubts)
+        called = f"the {touch.body} of {who(touch.operation, touch.row)}"
+        told = where(touch.operation, touch.row, self.copies)
+        return Reading((), (holder_cut(blank, touch.place, touch.rays, touch.depth, called, told),), doubts)
 
     def _chords(self, job: Job) -> RayBundle:
         """Where there is material to begin with."""

@@ -111,7 +111,7 @@ def test_what_a_holder_does_keeps_the_columns_of_its_pieces():
 def test_a_holder_one_millimetre_too_long_is_found_as_deep_and_one_that_is_clear_is_not(longer, touches):
     """Its lower face stands 8 mm over the tip, less what it is too long, and the tip 8 mm below the top."""
     held = holder(5.0, [(8.0, 8.0, 3.0 - longer), (30.0, 40.0, 20.0)])
-    found = finding(held, level(4.0), level(8.0))
+    found = finding(held, *([[-9.0, 0.0, -z], [9.0, 0.0, -z]] for z in (4.0, 8.0)))
     assert (found is not None) == touches
     if touches:
         assert "the holder of mill touches material in move 1 of its path 2: it cuts 1 mm deep" in found.text

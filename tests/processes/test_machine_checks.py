@@ -20,7 +20,7 @@ HELD = {"sections_mm": [[30.0, 30.0, 40.0]]}
 def drilled(**machine):
     """The plate with its holes on a machine: the mill's slot runs in at x = -4, 1 mm under the plate's table's top."""
     tables = scene_table(load_scene("drill-grid")[0])
-    tables["stock"]["pitch_mm"] = 1.0
+    tables["stock"]["pitch_mm"] = 2.0
     tables["machine"] = {"kind": "table-table-bc", **machine}
     return tables
 
