@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from gearsim.errors import InputError
 from gearsim.geometry.rigid import Rigid
 from gearsim.geometry.solid import Solid
+from gearsim.programs.names import distinct
 from gearsim.simulation.checkpoints import Checkpoints, Kept
 from gearsim.simulation.contour.surface import Contour, contour
 from gearsim.simulation.dexels import DexelBox
@@ -79,20 +80,39 @@ def look_box(box: DexelBox) -> DexelBox:
 
 
 def in_sequence(variant: Variant) -> tuple[Operation, ...]:
-    """A variant's operations cut up where the program changes tool or heading, in the program's order."""
+    """A variant's operations cut up where the program changes tool or heading, in the program's order, no two alike in
+    name.
+    """
     owner = np.repeat(np.arange(len(variant.operations)), [len(o) for o in variant.operations])
     row = np.concatenate([np.arange(len(o)) for o in variant.operations])
-    step, section = (np.concatenate([getattr(o, name) for o in variant.operations]) for name in ("step", "section"))
+    step, section, rapid = (
+        np.concatenate([getattr(o, name) for o in variant.operations]) for name in ("step", "section", "rapid")
+    )
     order = np.argsort(step, kind="stable")
-    owner, row, section = owner[order], row[order], section[order]
-    starts = np.flatnonzero((np.diff(owner) != 0) | (np.diff(section) != 0)) + 1
+    owner, row, section, rapid = owner[order], row[order], section[order], rapid[order]
     found = []
-    for run in np.split(np.arange(len(owner)), starts):
+    for run in _runs(owner, section, rapid):
         operation = variant.operations[owner[run[0]]]
-        part = operation.part(row[run])
         heading = operation.headings[section[run[0]]] if operation.headings else ""
-        found.append(replace(part, name=heading or operation.name))
-    return tuple(found)
+        found.append(replace(operation.part(row[run]), name=heading or operation.name))
+    names = distinct([o.name for o in found])
+    return tuple(replace(o, name=name) for o, name in zip(found, names, strict=True))
+
+
+def _runs(owner: NDArray, section: NDArray, rapid: NDArray) -> list[NDArray]:
+    """Rows of one tool under one heading. Rapids behind a heading and before its tool change, the retreat of the tool
+    before, belong to that one's work.
+    """
+    change = (np.diff(owner) != 0) | (np.diff(section) != 0)
+    runs = np.split(np.arange(len(owner)), np.flatnonzero(change) + 1)
+    joined = runs[:1]
+    for run, then in zip(runs[1:], [*runs[2:], None], strict=False):
+        retreats = then is not None and owner[then[0]] != owner[run[0]] and section[then[0]] == section[run[0]]
+        if retreats and rapid[run].all() and owner[run[0]] == owner[joined[-1][0]]:
+            joined[-1] = np.concatenate([joined[-1], run])
+        else:
+            joined.append(run)
+    return joined
 
 
 def machine(asked: Machining, workshop: Workshop) -> Machined:

@@ -85,7 +85,20 @@ def test_a_program_is_cut_up_where_its_tool_changes():
     )
     apart = replace(one, step=np.array([0, 2])), replace(two, step=np.array([1]))
     mixed = Variant("program", "", apart)
-    assert [(o.name, len(o)) for o in in_sequence(mixed)] == [("one", 1), ("two", 1), ("one", 1)]
+    assert [(o.name, len(o)) for o in in_sequence(mixed)] == [("one", 1), ("two", 1), ("one (2)", 1)]
+
+
+def test_a_tool_s_retreat_behind_the_next_heading_belongs_to_its_own_work():
+    """As a program has it: a heading, home by rapid with the old tool, the tool change, then the new one's work."""
+    ways = (0, 0, 0), (1, 0, 0), (2, 0, 0), (3, 0, 0)
+    old, new = line("T1", flat(4.0, 30.0), *ways), line("T2", ball(2.0, 9.0), *ways[:2])
+    told = {"headings": ("rough", "fine")}
+    old = replace(old, rapid=np.array([False, False, True]), section=np.array([0, 0, 1]), **told)
+    new = replace(new, step=np.array([3]), section=np.array([1]), **told)
+    assert [(o.name, len(o)) for o in in_sequence(Variant("program", "", (old, new)))] == [("rough", 3), ("fine", 1)]
+    cuts = replace(old, rapid=np.zeros(3, dtype=bool))
+    named = [(o.name, len(o)) for o in in_sequence(Variant("program", "", (cuts, new)))]
+    assert named == [("rough", 2), ("fine", 1), ("fine (2)", 1)]
 
 
 def test_the_whole_gear_says_of_its_flanks_what_the_normals_say():

@@ -13,6 +13,7 @@ from gearsim.programs.gcode.dialect import dialect_named
 from gearsim.programs.gcode.reader import Reader
 from gearsim.programs.gcode.settings import ReadSettings
 from gearsim.programs.gcode.text import open_text
+from gearsim.programs.names import distinct
 
 _SETTINGS = ReadSettings()
 _AXIS_LETTERS = tuple("ABCDUVWXYZ")
@@ -20,8 +21,8 @@ _AXIS_LETTERS = tuple("ABCDUVWXYZ")
 
 @dataclass(frozen=True)
 class Program:
-    """A program's ``blocks``; the names of its ``operations`` by their index in the blocks, its ``tools`` in order
-    of use, its ``number`` (O word) and ``title``, and ``notes`` on what was passed over."""
+    """A program's ``blocks``; the names of its ``operations`` by their index in the blocks, no two alike, its ``tools``
+    in order of use, its ``number`` (O word) and ``title``, and ``notes`` on what was passed over."""
 
     blocks: Blocks
     operations: tuple[str, ...]
@@ -53,5 +54,5 @@ def read_program(
     reader = Reader(open_text(source), machine, dialect_named(dialect), settings, progress)
     blocks, journal = reader.read()
     return Program(
-        blocks, tuple(journal.operations), tuple(journal.tools), journal.number, journal.title, journal.notes()
+        blocks, distinct(journal.operations), tuple(journal.tools), journal.number, journal.title, journal.notes()
     )
