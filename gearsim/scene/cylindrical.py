@@ -22,6 +22,7 @@ from gearsim.scene.program import ControlTable, PostTable
 from gearsim.scene.tables import Angle, Count, GridTable, Length, LengthOrZero, Table
 from gearsim.surfaces.cylindrical_gear import CylindricalGear
 from gearsim.surfaces.flank_modification import FlankModification, Relief
+from gearsim.surfaces.gear_outline import GearOutline
 from gearsim.toolpaths.cylindrical.settings import Finishing, Settings
 
 Degrees = Annotated[float, Field(gt=-90.0, lt=90.0, allow_inf_nan=False)]
@@ -60,7 +61,10 @@ class ModificationTable(Table):
 
 
 class CylindricalGearTable(Table):
-    """Table [surface] of kind ``cylindrical-gear``; module and pressure angle both normal or both transverse."""
+    """Table [surface] of kind ``cylindrical-gear``; module and pressure angle both normal or both transverse.
+
+    ``fillet_radius_mm``: of the arcs between root land and flanks, in the transverse section; 0: sharp corners.
+    """
 
     kind: Literal["cylindrical-gear"]
     teeth: int = Field(ge=-1000, le=1000)
@@ -75,6 +79,7 @@ class CylindricalGearTable(Table):
     dedendum: Number = 1.25
     tip_alteration: Number = 0.0
     rim_mm: Length
+    fillet_radius_mm: LengthOrZero = 0.0
     modification: ModificationTable | None = None
 
     @model_validator(mode="after")
@@ -105,6 +110,10 @@ class CylindricalGearTable(Table):
         assert self.transverse_pressure_angle_deg is not None
         angle = radians(self.transverse_pressure_angle_deg)
         return CylindricalGear.from_transverse(self.teeth, self.transverse_module_mm, angle, beta, b, **rest)
+
+    def outline(self) -> GearOutline:
+        """Its transverse section, root and all. Raises InputError for fillets that do not fit."""
+        return GearOutline(self.gear(), self.fillet_radius_mm)
 
     def design(self) -> FlankModification | None:
         return None if self.modification is None else self.modification.build()
@@ -234,8 +243,9 @@ class CylindricalGearScene(Scene):
         return machine
 
     def builders(self) -> tuple[Callable[[], object], ...]:
+        surface = (self.gear, self.surface.outline, self.surface.design)
         reading = (self.program.options, self.reading)
-        return (self.gear, self.surface.design, self.controller, *reading, self.paths, self.holders, self.probed)
+        return (*surface, self.controller, *reading, self.paths, self.holders, self.probed)
 
     def holders(self) -> dict[int, Profile]:
         """What stands above the tools' flutes, where it is given, by their numbers."""
@@ -254,4 +264,4 @@ class CylindricalGearScene(Scene):
 
     def paths(self) -> tuple[Settings, ...]:
         """What each operation is told, finishing last. Raises InputError for a tool that is not in the table."""
-        return self.toolpath.settings(self.tools, self.surface.design())
+        return self.toolpath.settings(self.tools, self.surface.design(), self.surface.fillet_radius_mm or None)

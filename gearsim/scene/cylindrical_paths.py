@@ -22,6 +22,7 @@ from gearsim.toolpaths.cylindrical.settings import (
     Finishing,
     OutsideDiameter,
     ReferenceRing,
+    RootMilling,
     Roughing,
     Settings,
     Slotting,
@@ -115,15 +116,27 @@ class FinishingTable(TeethTable):
 
 
 class SlotsTable(CuttingTable):
-    """Table [toolpath.slots]: radial slots in the spaces of an external gear."""
+    """Table [toolpath.slots]: radial slots in the spaces of an external gear, ``root_stock_mm`` left above its root."""
 
     radial_immersion: Share = 0.25
     radial_step_mm: Length = 1.0
     stock_mm: Length = 0.1
+    root_stock_mm: Length | None = None
 
     def build(self, **common: Any) -> Slotting:
-        immersion = self.radial_immersion
-        return Slotting(radial_immersion=immersion, radial_step=self.radial_step_mm, stock=self.stock_mm, **common)
+        return Slotting(
+            radial_immersion=self.radial_immersion, radial_step=self.radial_step_mm, stock=self.stock_mm,
+            root_stock=self.root_stock_mm, **common,
+        )  # fmt: skip
+
+
+class RootTable(CuttingTable):
+    """Table [toolpath.root]: root land and fillets of an external spur gear, along their outline."""
+
+    axial_step_mm: Length = 1.0
+
+    def build(self, **common: Any) -> RootMilling:
+        return RootMilling(axial_step=self.axial_step_mm, **common)
 
 
 class LevelsTable(CuttingTable):
@@ -178,7 +191,7 @@ class RingTable(LevelsTable):
         return ReferenceRing(self.inner_mm, self.outer_mm, self.depth_mm, **self.steps(), **common)
 
 
-_OPERATIONS = ("facing", "outside", "bore", "ring", "slots", "roughing", "finishing")
+_OPERATIONS = ("facing", "outside", "bore", "ring", "slots", "root", "roughing", "finishing")
 
 
 class GearPathTable(Table):
@@ -190,11 +203,17 @@ class GearPathTable(Table):
     bore: BoreTable | None = None
     ring: RingTable | None = None
     slots: SlotsTable | None = None
+    root: RootTable | None = None
     roughing: RoughingTable | None = None
     finishing: FinishingTable = FinishingTable()
 
-    def settings(self, tools: Sequence[EndMillTable], design: FlankModification | None) -> tuple[Settings, ...]:
-        """What each operation is told, finishing last. Raises InputError for unknown or doubled tools."""
+    def settings(
+        self, tools: Sequence[EndMillTable], design: FlankModification | None, fillet: float | None
+    ) -> tuple[Settings, ...]:
+        """What each operation is told, finishing last; ``fillet`` [mm] of the roots.
+
+        Raises InputError for unknown or doubled tools.
+        """
         table = {t.number: t.build() for t in tools}
         if len(table) < len(tools):
             raise InputError("tools: two tools share a number")
@@ -202,4 +221,5 @@ class GearPathTable(Table):
         asked = [(name, op) for name in _OPERATIONS if (op := getattr(self, name)) is not None]
         made = [op.build(cutting=op.cutting(table, name), clearance=clear) for name, op in asked]
         assert isinstance(made[-1], Finishing)
+        made = [replace(step, fillet=fillet) if isinstance(step, RootMilling) else step for step in made]
         return (*made[:-1], replace(made[-1], modification=design))

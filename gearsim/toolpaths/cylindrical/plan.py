@@ -13,12 +13,14 @@ from gearsim.programs.operation import Operation
 from gearsim.surfaces.cylindrical_gear import CylindricalGear
 from gearsim.toolpaths.cylindrical.axes import GearTable
 from gearsim.toolpaths.cylindrical.preparation import bore, face, outside_diameter, reference_ring
+from gearsim.toolpaths.cylindrical.root import mill_root
 from gearsim.toolpaths.cylindrical.settings import (
     Bore,
     Facing,
     Finishing,
     OutsideDiameter,
     ReferenceRing,
+    RootMilling,
     Roughing,
     Settings,
     Slotting,
@@ -53,6 +55,8 @@ def _plan(gear: CylindricalGear, machine: Machine, step: Settings) -> Operation:
             return rough_teeth(gear, machine, step)
         case Finishing():
             return finish_teeth(gear, machine, step)
+        case RootMilling():
+            return mill_root(gear, machine, step)
         case Facing():
             return face(machine, step)
         case Bore():

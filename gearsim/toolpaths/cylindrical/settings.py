@@ -123,10 +123,22 @@ class Finishing(Settings):
 
 @dataclass(frozen=True, kw_only=True)
 class Slotting(Immersed):
-    """Radial slots in the spaces of an external gear, before roughing; ``radial_step`` [mm] a pass."""
+    """Radial slots in the spaces of an external gear, before roughing; ``radial_step`` [mm] a pass.
+
+    ``root_stock`` [mm] is left above the root circle for a tool of its own.
+    """
 
     radial_step: float = 1.0
     stock: float = 0.1
+    root_stock: float | None = None
+
+
+@dataclass(frozen=True, kw_only=True)
+class RootMilling(Settings):
+    """Root land and fillets of an external spur gear, ``fillet`` [mm] their radius, in levels ``axial_step`` apart."""
+
+    axial_step: float = 1.0
+    fillet: float | None = None
 
 
 @dataclass(frozen=True)

@@ -40,9 +40,11 @@ def slot_spaces(gear: CylindricalGear, machine: Machine, settings: Slotting = SL
     if gear.is_internal:
         raise InputError("radial slots need an external gear: an internal gear's tool cannot stand radially in it")
     cutting = settings.cutting
-    depth = gear.tip_radius - gear.root_radius
+    depth = gear.tip_radius - gear.root_radius - (settings.root_stock or 0.0)
+    if depth <= 0.0:
+        raise InputError(f"slots: root_stock_mm = {settings.root_stock:g} leaves nothing of the teeth to be cut")
     cutting.check_depth("slots, tooth depth", depth)
-    radii = np.linspace(gear.tip_radius, gear.root_radius, parts(depth, settings.radial_step) + 1)[1:]
+    radii = np.linspace(gear.tip_radius, gear.tip_radius - depth, parts(depth, settings.radial_step) + 1)[1:]
     open_ = radii[_half_width(gear, radii, settings.stock) >= cutting.radius - _EXACT_MM]
     if not len(open_):
         width = 2.0 * float(_half_width(gear, np.array([gear.tip_radius]), settings.stock)[0])
