@@ -14,6 +14,7 @@ from gearsim.geometry.wedge import Wedge
 from gearsim.metrology.blank_check import outside
 from gearsim.metrology.findings import Finding, stock_out_of_tolerance, through_material
 from gearsim.metrology.inspection import Machine, Reading, Steps
+from gearsim.metrology.named_faces import beside_faces, one_road
 from gearsim.metrology.samples import sample_grid
 from gearsim.metrology.stock_surfaces import (
     NEAR_MM,
@@ -31,7 +32,7 @@ from gearsim.simulation.sequence import Machined, Machining, in_sequence
 from gearsim.simulation.stock import Stock
 from gearsim.simulation.work import Work
 from gearsim.surfaces.machined_solid import MachinedSolid
-from gearsim.surfaces.part import Tolerance
+from gearsim.surfaces.part import NamedFaces, Tolerance
 
 if TYPE_CHECKING:
     from gearsim.metrology.job import Job
@@ -70,6 +71,7 @@ class StockMeasurement:
 
     ``deviation`` [mm] at each of the contour's vertices, by the ends of material around it, from what is intended near
     them; nan where nothing is. ``sectors``: of how many alike ones the blank is one; 1: it is whole.
+    ``intended_volume`` [mm³], where it is known.
     """
 
     variant: str
@@ -82,6 +84,7 @@ class StockMeasurement:
     surfaces: tuple[SurfaceFigures, ...]
     solid_tolerance: Tolerance | None = None
     sectors: int = 1
+    intended_volume: float | None = None
     surface: str = ""
     inspection: str = "stock"
 
@@ -90,8 +93,9 @@ class StockMeasurement:
 class StockInspection:
     """A ``blank`` cut by a variant, ``copies`` times about the part's axis, seen by the tri-dexel of a box.
 
-    ``intended``: the solid that the whole stock is held against, where there is one. ``rapid_mm_min``: how fast the
-    tip goes by rapid (None: not known).
+    ``intended``: the solid that the whole stock is held against, where there is one; ``whole``: one all of whose faces
+    are named, which then stands for the part's surfaces. ``rapid_mm_min``: how fast the tip goes by rapid (None: not
+    known).
     """
 
     variant: str
@@ -101,6 +105,7 @@ class StockInspection:
     spaces: int = 1
     rapid_mm_min: float | None = None
     intended: MachinedSolid | None = None
+    whole: NamedFaces | None = None
     name: str = "stock"
 
     def operations(self, job: Job) -> tuple[Operation, ...]:
@@ -116,21 +121,28 @@ class StockInspection:
         surfaces, findings, ends = [], [], cut_ends(machined.stock)
         for intended in job.part.surfaces.values():
             grid = sample_grid(intended.patch, _ROWS, _COLUMNS, _MARGIN)
-            found = near_surface(grid, ends, self.spaces)
-            surfaces.append(found)
-            findings += list(_judged(found, intended.tolerance, job))
+            if self.whole is None:
+                found = near_surface(grid, ends, self.spaces)
+                surfaces.append(found)
+                findings += list(_judged(found, intended.tolerance, job))
             findings += outside(grid, intended.tolerance, self.blank, self.copies, job.part)
         if self.intended is not None:
             found, doubts = beside_solid(self.intended, machined.stock)
             surfaces.append(found)
             findings += list(_judged(found, self.intended.tolerance, job))
+        if self.whole is not None:
+            surfaces, doubts = beside_faces(self.whole, machined.stock)
+            for found in surfaces:
+                findings += list(_judged(found, self.whole.tolerances[found.surface], job))
         findings += self._rapids(machined, job)
         measured = StockMeasurement(
             self.variant, machined.stock, machined.contour, machined.blank_volumes, self.blank.volume,
             at_vertices(machined.contour, self._deviation(job, machined.contour)), figures, tuple(surfaces),
             None if self.intended is None else self.intended.tolerance,
-            self.copies if isinstance(self.blank, Wedge) else 1,
+            self.copies if isinstance(self.blank, Wedge) else 1, None if self.whole is None else self.whole.volume,
         )  # fmt: skip
+        if self.whole is not None:
+            return Reading((measured,), tuple(findings), doubts, self.whole.faces, one_road(self.whole, job.part))
         if self.intended is None:
             doubts = _none_near(surfaces, job)
             return Reading((measured,), tuple(findings), doubts, remarks=(self._said(),) if self.copies > 1 else ())
@@ -143,9 +155,9 @@ class StockInspection:
 
     def _deviation(self, job: Job, found: Contour) -> NDArray:
         """Signed distances of a contour's hits from the intended solid, or of those cut from the nearest surface."""
-        points = found.hit
-        if self.intended is not None:
-            distance = self.intended.signed_distance(points)
+        points, solid = found.hit, self.whole or self.intended
+        if solid is not None:
+            distance = solid.signed_distance(points)
             return np.where(np.abs(distance) < NEAR_MM, distance, np.nan)
         cut, out = np.zeros(len(points), dtype=bool), np.full(len(points), np.nan)
         cut[found.of[found.mesh.tag >= 0]] = True

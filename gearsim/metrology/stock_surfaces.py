@@ -37,10 +37,11 @@ def near_surface(grid: SampleGrid, ends: NDArray, spaces: int = 1) -> SurfaceFig
     ``ends`` [mm], shape (n, 3), are exact to the cut's tolerance; what lies between rays is not seen.
     """
     close, distance = near(grid, ends, spaces)
-    return _extremes(grid.patch.name, len(close), ends[close], distance)
+    return extremes(grid.patch.name, len(close), ends[close], distance)
 
 
-def _extremes(surface: str, ends: int, points: NDArray, distance: NDArray) -> SurfaceFigures:
+def extremes(surface: str, ends: int, points: NDArray, distance: NDArray) -> SurfaceFigures:
+    """The deepest and the highest of a surface's points, by their signed distances [mm]; how many ``ends`` they are."""
     if not len(distance):
         nowhere = np.full(3, np.nan)
         return SurfaceFigures(surface, 0, np.nan, np.nan, nowhere, nowhere)
@@ -63,7 +64,7 @@ def beside_solid(intended: MachinedSolid, stock: Stock) -> tuple[SurfaceFigures,
 
     So are those of the middles of all stretches of its rays that only one of the two holds.
     """
-    ends = np.concatenate([_ends(stock, axis, True) for axis in AXES])
+    ends = all_ends(stock)
     middle, unseen = difference(intended, stock)
     doubts: tuple[str, ...] = ()
     if unseen:
@@ -76,12 +77,17 @@ def beside_solid(intended: MachinedSolid, stock: Stock) -> tuple[SurfaceFigures,
     if not len(ends):
         doubts += ("no ray of the stock holds any material: nothing of the solid was judged",)
     points = np.concatenate([ends, middle]) if len(ends) else ends
-    return _extremes(SOLID, len(ends), points, intended.signed_distance(points)), doubts
+    return extremes(SOLID, len(ends), points, intended.signed_distance(points)), doubts
 
 
 def cut_ends(stock: Stock) -> NDArray:
     """Points [mm], shape (n, 3), where a row ended material."""
     return np.concatenate([_ends(stock, axis, False) for axis in AXES])
+
+
+def all_ends(stock: Stock) -> NDArray:
+    """Points [mm], shape (n, 3), where material ends, cut or the blank's own."""
+    return np.concatenate([_ends(stock, axis, True) for axis in AXES])
 
 
 def _ends(stock: Stock, axis: int, blank: bool) -> NDArray:

@@ -40,6 +40,7 @@ def figures(m: StockMeasurement) -> dict[str, Any]:
         "bytes_a_ray": m.stock.nbytes / rays,
         "blank_mm3": {"exact": m.exact_blank_volume, "bundles": list(m.blank_volumes)},
         "left_mm3": list(m.stock.volumes),
+        "intended_mm3": m.intended_volume,
         "surface": {
             "triangles": len(m.contour.mesh.triangles),
             "volume_mm3": m.contour.mesh.volume,
@@ -109,7 +110,7 @@ def _section(m: StockMeasurement) -> str:
         f"## The whole part\n\n{_of(m)} ({m.exact_blank_volume:.1f} mm³) by a tri-dexel of {told['rays']:,} rays, "
         f"{told['pitch_mm']:g} mm apart: {_three(m.blank_volumes)} mm³; left are {_three(m.stock.volumes)} mm³. The "
         f"three bundles' spread tells the grid's error. Its closed surface of {len(mesh.triangles):,} triangles holds "
-        f"{mesh.volume:.1f} mm³.\n\n" + table(head, rows) + _of_rapids(told["rapids"])
+        f"{mesh.volume:.1f} mm³.{_intended(m)}\n\n" + table(head, rows) + _of_rapids(told["rapids"])
     )
     if near:
         text += (
@@ -200,6 +201,10 @@ def _over(a: NDArray, b: NDArray) -> NDArray:
 
 def _of(m: StockMeasurement) -> str:
     return "The blank" if m.sectors == 1 else f"One of {m.sectors} alike sectors of the blank"
+
+
+def _intended(m: StockMeasurement) -> str:
+    return "" if m.intended_volume is None else f" The intended part holds {m.intended_volume:.1f} mm³."
 
 
 def _three(volumes: Sequence[float]) -> str:

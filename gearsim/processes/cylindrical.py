@@ -34,7 +34,8 @@ from gearsim.scene.cylindrical import ErrorsTable
 from gearsim.simulation.disturbance import Disturbance
 from gearsim.simulation.operation import Variant
 from gearsim.surfaces.cylindrical_gear import SIDES, CylindricalGear, Side
-from gearsim.surfaces.gear_stock import gear_stock
+from gearsim.surfaces.finished_gear import FinishedGear, face_names
+from gearsim.surfaces.gear_stock import back_radius, gear_stock
 from gearsim.surfaces.involute import InvoluteFlank
 from gearsim.surfaces.part import Intended, Part, Tolerance
 from gearsim.surfaces.reached_flank import ReachedFlank
@@ -142,7 +143,18 @@ def _part(scene: CylindricalGearScene, probed: ProbedGear) -> Part:
         side: Intended(ReachedFlank(probed.gear, side, 0, probed.design, probed.reached[side]), tolerance)
         for side in SIDES
     }
-    return Part(FACE_FRAME, gear_stock(probed.gear, scene.surface.rim_mm), {str(s): i for s, i in flanks.items()})
+    blank, named = gear_stock(probed.gear, scene.surface.rim_mm), {str(s): i for s, i in flanks.items()}
+    return Part(FACE_FRAME, blank, named, whole=_whole(scene, probed))
+
+
+def _whole(scene: CylindricalGearScene, probed: ProbedGear) -> FinishedGear:
+    """All of the gear's surface, flanks, root and what was turned before them each by its own tolerance."""
+    m, outline = scene.metrology, scene.surface.outline()
+    flank, body = Tolerance.both(m.tolerance_um), Tolerance.both(m.body_tolerance_um)
+    root = Tolerance(m.root_tolerance_um, m.root_excess_um)
+    own: dict[str, Tolerance] = {"left": flank, "right": flank, "root": root}
+    tolerances = {name: own.get(name, body) for name in face_names(probed.gear.is_internal)}
+    return FinishedGear(outline, back_radius(probed.gear, scene.surface.rim_mm), tolerances, probed.design)
 
 
 def _inspections(scene: CylindricalGearScene, probed: ProbedGear) -> Iterator[Inspection]:

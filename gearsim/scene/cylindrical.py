@@ -155,11 +155,15 @@ class GearMetrologyTable(GridTable):
     """Table [metrology]: the class of ISO 1328-1 asked for, and where the flanks are probed.
 
     ``tolerance_um`` is for the dense map of space 0; ``points`` of a trace; ``spaces`` how many spaces are probed
-    (0: all of them).
+    (0: all of them). Of a whole part ([stock]) ``root_tolerance_um`` and ``root_excess_um`` limit what may be taken
+    from root lands and fillets and left on them, ``body_tolerance_um`` tip, faces and bore.
     """
 
     iso_class: int = Field(default=5, ge=1, le=11)
     tolerance_um: Length = 1.0
+    root_tolerance_um: Length = 50.0
+    root_excess_um: Length = 50.0
+    body_tolerance_um: Length = 10.0
     points: Count = 201
     spaces: int = Field(default=0, ge=0, le=1000)
     rows: Count = 25

@@ -4,6 +4,9 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from math import inf
+from typing import Protocol
+
+from numpy.typing import NDArray
 
 from gearsim.geometry.turned import Turned
 from gearsim.surfaces.patch import Patch
@@ -43,18 +46,45 @@ class Intended:
     tolerance: Tolerance | None = None
 
 
+class NamedFaces(Protocol):
+    """A whole part as it is meant to be: a connected solid whose surface is all of named faces."""
+
+    @property
+    def faces(self) -> tuple[str, ...]: ...
+
+    @property
+    def volume(self) -> float:
+        """Its volume [mm³]."""
+        ...
+
+    @property
+    def tolerances(self) -> dict[str, Tolerance]:
+        """Of each face."""
+        ...
+
+    def locate(self, points: NDArray) -> tuple[NDArray, NDArray]:
+        """Signed distances [mm] of points, shape (n, 3), negative inside, and which faces they are nearest to, (n,)."""
+        ...
+
+    def signed_distance(self, points: NDArray) -> NDArray:
+        """The distances alone."""
+        ...
+
+
 @dataclass(frozen=True)
 class Part:
     """What is to be made, all in one frame, named in words by ``frame``.
 
     ``stock`` is what it is cut out of (None: the surfaces stand alone, material without end behind them), ``mate`` the
-    blank that it will run with, about its own axis, where one is known.
+    blank that it will run with, about its own axis, where one is known. ``whole`` is all of its surface, where that is
+    known: every end of a whole stock's rays is held against it.
     """
 
     frame: str
     stock: Turned | None
     surfaces: dict[str, Intended]
     mate: Turned | None = None
+    whole: NamedFaces | None = None
 
     def patch(self, name: str) -> Patch:
         """The intended surface of a name."""
