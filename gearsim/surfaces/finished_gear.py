@@ -12,6 +12,8 @@ from gearsim.surfaces.flank_modification import FlankModification
 from gearsim.surfaces.gear_outline import FLANK, TIP, WALL, GearOutline
 from gearsim.surfaces.part import Tolerance
 
+_BLOCK = 1 << 18  # points located at once: each takes some dozens of numbers meanwhile
+
 
 @dataclass(frozen=True)
 class FinishedGear:
@@ -43,6 +45,15 @@ class FinishedGear:
         Along normals, exactly beside lands, faces, flanks (helical ones, too) and a spur gear's fillets; beside a
         helical gear's fillets to the first order; no more than the true distance outside of two faces at once.
         """
+        blocks = np.array_split(points, 1 + len(points) // _BLOCK)
+        distance, face = zip(*map(self._locate, blocks), strict=True)
+        return np.concatenate(distance), np.concatenate(face)
+
+    def signed_distance(self, points: NDArray) -> NDArray:
+        """Distances [mm] of points, shape (n, 3), as ``locate`` gives them."""
+        return self.locate(points)[0]
+
+    def _locate(self, points: NDArray) -> tuple[NDArray, NDArray]:
         gear = self.outline.gear
         radius, z = np.hypot(points[:, 0], points[:, 1]), points[:, 2]
         turn = np.arctan2(points[:, 1], points[:, 0]) - gear.twist * z
@@ -67,10 +78,6 @@ class FinishedGear:
         roll = gear.roll(np.maximum(radius, gear.base_radius)) - gear.sign * off * cos(lean) / gear.base_radius
         height = z - off * np.sign(turn) * sin(lean)
         return self.design.profile(gear, roll)[0] + self.design.lead(gear, height)[0]
-
-    def signed_distance(self, points: NDArray) -> NDArray:
-        """Distances [mm] of points, shape (n, 3), as ``locate`` gives them."""
-        return self.locate(points)[0]
 
 
 def face_names(internal: bool) -> tuple[str, ...]:

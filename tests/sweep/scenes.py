@@ -16,7 +16,10 @@ _COARSE = {
     "gouge-example": {},
     "solid-part": {"stock.pitch_mm": 2.0},
     "cylindrical-gear": {
-        "surface.teeth": 9, "surface.face_width_mm": 4.0,
+        "surface.teeth": 9, "surface.face_width_mm": 4.0, "surface.rim_mm": 8.25,
+        "toolpath.facing.radius_mm": 31.0, "toolpath.bore.radius_mm": 8.0, "toolpath.root.axial_step_mm": 4.0,
+        "toolpath.outside.blank_radius_mm": 30.0, "toolpath.outside.radius_mm": 27.5,
+        "stock.pitch_mm": 2.0, "stock.blank.diameter_mm": 60.0, "stock.blank.bottom_mm": -4.0,
         "toolpath.slots.radial_immersion": 1.0, "toolpath.slots.radial_step_mm": 5.0,
         "toolpath.roughing.radial_immersion": 1.0, "toolpath.roughing.axial_step_mm": 4.0,
         "toolpath.roughing.involute_step_mm": 5.0,
