@@ -34,7 +34,7 @@ from gearsim.scene.cylindrical import ErrorsTable
 from gearsim.simulation.disturbance import Disturbance
 from gearsim.simulation.operation import Variant
 from gearsim.surfaces.cylindrical_gear import SIDES, CylindricalGear, Side
-from gearsim.surfaces.finished_gear import FinishedGear, face_names
+from gearsim.surfaces.finished_gear import FinishedGear
 from gearsim.surfaces.gear_stock import back_radius, gear_stock
 from gearsim.surfaces.involute import InvoluteFlank
 from gearsim.surfaces.part import Intended, Part, Tolerance
@@ -151,9 +151,9 @@ def _whole(scene: CylindricalGearScene, probed: ProbedGear) -> FinishedGear:
     """All of the gear's surface, flanks, root and what was turned before them each by its own tolerance."""
     m, outline = scene.metrology, scene.surface.outline()
     flank, body = Tolerance.both(m.tolerance_um), Tolerance.both(m.body_tolerance_um)
-    root = Tolerance(m.root_tolerance_um, m.root_excess_um)
-    own: dict[str, Tolerance] = {"left": flank, "right": flank, "root": root}
-    tolerances = {name: own.get(name, body) for name in face_names(probed.gear.is_internal)}
+    tolerances: dict[str, Tolerance] = dict.fromkeys(SIDES, flank)
+    tolerances["root"] = Tolerance(m.root_tolerance_um, m.root_excess_um)
+    tolerances |= dict.fromkeys(("tip", "top face", "bottom face", "bore", "outside"), body)
     return FinishedGear(outline, back_radius(probed.gear, scene.surface.rim_mm), tolerances, probed.design)
 
 

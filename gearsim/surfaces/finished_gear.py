@@ -17,7 +17,8 @@ _BLOCK = 1 << 18  # points located at once: each takes some dozens of numbers me
 
 @dataclass(frozen=True)
 class FinishedGear:
-    """A gear between its faces, of whole teeth, with a bore (an internal one: an outside) of radius ``back`` [mm].
+    """A gear between its faces, of whole teeth, with a bore (an internal one: an outside) of radius ``back`` [mm]; 0:
+    none.
 
     ``tolerances``: of ``left``, ``right`` (the flanks of all spaces), ``root`` (root lands, fillets, and walls under
     the involutes), ``tip``, ``top face``, ``bottom face`` and ``bore`` or ``outside``. ``design``: what the flanks are
@@ -37,7 +38,8 @@ class FinishedGear:
     @property
     def faces(self) -> tuple[str, ...]:
         """Names of the faces, as ``locate`` counts them."""
-        return face_names(self.outline.gear.is_internal)
+        back = ("outside" if self.outline.gear.is_internal else "bore",) * (self.back > 0.0)
+        return "left", "right", "root", "tip", "top face", "bottom face", *back
 
     def locate(self, points: NDArray) -> tuple[NDArray, NDArray]:
         """Signed distances [mm] of points, shape (n, 3), negative inside, and which faces they are nearest to, (n,).
@@ -64,8 +66,8 @@ class FinishedGear:
         flank = np.where(turn * gear.sign < 0.0, 0, 1)
         tip = (foot.piece == TIP) | ((foot.piece == WALL) & gear.is_internal)
         face = np.where(foot.piece == FLANK, flank, np.where(tip, 3, 2))
-        back = gear.sign * (self.back - radius)
-        every = np.stack([tooth, z, -gear.facewidth - z, back])
+        back = [gear.sign * (self.back - radius)] if self.back > 0.0 else []
+        every = np.stack([tooth, z, -gear.facewidth - z, *back])
         nearest = np.argmax(every, axis=0)
         return every.max(axis=0), np.where(nearest == 0, face, nearest + 3)
 
@@ -78,8 +80,3 @@ class FinishedGear:
         roll = gear.roll(np.maximum(radius, gear.base_radius)) - gear.sign * off * cos(lean) / gear.base_radius
         height = z - off * np.sign(turn) * sin(lean)
         return self.design.profile(gear, roll)[0] + self.design.lead(gear, height)[0]
-
-
-def face_names(internal: bool) -> tuple[str, ...]:
-    """What the faces of a finished gear are called."""
-    return "left", "right", "root", "tip", "top face", "bottom face", "outside" if internal else "bore"

@@ -9,8 +9,11 @@ from gearsim.surfaces.cylindrical_gear import CylindricalGear
 
 
 def back_radius(gear: CylindricalGear, rim: float) -> float:
-    """Radius [mm] of the bore, or of an internal gear's outside, with ``rim`` [mm] of material behind the roots."""
-    return gear.root_radius - gear.sign * rim
+    """Radius [mm] of the bore, or of an internal gear's outside, with ``rim`` [mm] of material behind the roots.
+
+    0: a gear without a bore, where the rim reaches to the axis.
+    """
+    return max(gear.root_radius - gear.sign * rim, 0.0)
 
 
 def gear_stock(gear: CylindricalGear, rim: float) -> Turned:

@@ -12,6 +12,7 @@ from gearsim.surfaces.cylindrical_gear import SIDES, CylindricalGear
 from gearsim.surfaces.finished_gear import FinishedGear
 from gearsim.surfaces.flank_modification import FlankModification
 from gearsim.surfaces.gear_outline import FILLET, FLANK, LAND, TIP, WALL, GearOutline
+from gearsim.surfaces.gear_stock import back_radius, gear_stock
 from gearsim.surfaces.involute import InvoluteFlank
 
 # teeth, helix, fillet: the root inside and outside the base circle, sharp corners, internal gears
@@ -114,6 +115,18 @@ def test_every_face_has_its_name_and_its_place():
     assert distance == pytest.approx(np.zeros(7), abs=1e-12)
     out = np.array([[31.25 + 0.01, 0.0, -5.0], [31.25 - 0.01, 0.0, -5.0], [20.0, 0.0, 0.02], [20.0, 0.0, -0.02]])
     assert whole.signed_distance(out) == pytest.approx([0.01, -0.01, 0.02, -0.02])
+
+
+@pytest.mark.parametrize("rim", [31.25, 40.0])
+def test_a_rim_that_reaches_to_the_axis_leaves_no_bore(rim):
+    section = outline(15, 0.0, 1.9)
+    assert back_radius(section.gear, rim) == 0.0
+    whole, disc = FinishedGear(section, 0.0, {}), gear_stock(section.gear, rim)
+    assert whole.faces[-1] == "bottom face"
+    assert whole.volume == pytest.approx(FinishedGear(section, 10.0, {}).volume + pi * 10.0**3)
+    assert disc.volume == pytest.approx(pi * 42.5**2 * 10.0)
+    distance, face = whole.locate(np.array([[0.0, 0.0, -4.0]]))
+    assert (distance[0], whole.faces[face[0]]) == (-4.0, "top face")
 
 
 @pytest.mark.parametrize("teeth", [15, 50, -30])
