@@ -16,7 +16,7 @@ COARSE = (
     "surface.teeth=8", "surface.rim_mm=5", "stock.pitch_mm=1.25", "stock.blank.diameter_mm=54", *STEPS,
     "toolpath.facing.radius_mm=28", "toolpath.outside.blank_radius_mm=27", "toolpath.outside.radius_mm=25",
     "toolpath.outside.axial_step_mm=10.5", "toolpath.bore.radius_mm=8.75", "toolpath.bore.axial_step_mm=10.5",
-    "toolpath.slots.radial_step_mm=4", "metrology.points=15", "metrology.rows=3", "metrology.columns=5",
+    "toolpath.slots.radial_step_mm=4", "metrology.points=15", "metrology.spaces=1", "metrology.rows=3", "metrology.columns=5",
     "simulation.dexel_pitch_mm=1", "metrology.section_pitch_mm=0.5",
 )  # fmt: skip
 NAMES = ["FACING", "OUTSIDE DIAMETER", "BORE", "SLOTS", "ROOT", "TOOTH ROUGHING", "TOOTH FINISHING"]
