@@ -76,7 +76,8 @@ class GridInspection:
     ``generating``: the variant whose envelope the intended surface is; samples that it trims are left out.
     ``series`` are motions of more and more points; ``window`` scales the measuring windows; ``rotated``: topography
     is read, rotations taken out. ``last``: under that name the rows of the program (the first of ``variants``) that
-    made the surface last are asked again, alone, by both roads. ``remark`` must be said with the verdict.
+    made the surface last are asked again, alone, by both roads; those under the program's last heading, or the one
+    whose number is ``heading``. ``remark`` must be said with the verdict.
     """
 
     surface: str
@@ -92,6 +93,7 @@ class GridInspection:
     series: tuple[Series, ...] = ()
     rotated: bool = False
     last: str = ""
+    heading: int | None = None
     remark: str = ""
     name: str = DENSE
 
@@ -141,7 +143,7 @@ class GridInspection:
 
     def _alone(self, job: Job, rays: RayBundle, whole: Deviation) -> Steps[tuple[Variant, Deviation, RoadGap] | None]:
         """Deviation and gap under the rows that made the surface last; None where none of them did."""
-        last = made_last(self.last, self._variant(job, self.variants[0]), whole)
+        last = made_last(self.last, self._variant(job, self.variants[0]), whole, self.heading)
         if last is None:
             return None
         removed, road = yield [Cut(rays, last), Solve(rays, last)]
@@ -191,7 +193,7 @@ class GridInspection:
             yield from self._not_judged(found, name)
         first = found[self.variants[0]]
         if self.last and self.last not in found and not untouched(self.surface, first.deviation):
-            heading = last_heading(first.by)
+            heading = last_heading(first.by, self.heading)
             last = f"the last operation ({heading})" if heading else "the last operation"
             yield f"{last} cuts no sample of {self.surface}: the two roads compared nothing"
         for name in (*self.witnessed, *([self.last] if self.last in found else [])):

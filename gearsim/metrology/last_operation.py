@@ -11,14 +11,15 @@ from gearsim.metrology.deviation import Deviation
 from gearsim.simulation.operation import Operation, Variant
 
 
-def made_last(name: str, whole: Variant, deviation: Deviation) -> Variant | None:
-    """The rows, from the first to the last that cut a surface under the program's last heading; one tool's.
+def made_last(name: str, whole: Variant, deviation: Deviation, heading: int | None = None) -> Variant | None:
+    """The rows, from the first to the last that cut a surface under one heading, the program's last if none is given;
+    one tool's.
 
     None where nothing under that heading cuts a sample. ``deviation`` is that under the ``whole`` program. Where a
     rapid made a sample, rapids count as feeds, or only one road would know of its cut.
     """
     segment = np.unique(deviation.segment[deviation.segment >= 0])
-    last = max(int(o.section.max(initial=-1)) for o in whole.operations)
+    last = max(int(o.section.max(initial=-1)) for o in whole.operations) if heading is None else heading
     first_row = np.cumsum([0, *map(len, whole.operations)])
     for operation, row in zip(whole.operations, first_row, strict=False):
         mine = segment[(segment >= row) & (segment < row + len(operation))] - row
@@ -31,10 +32,11 @@ def made_last(name: str, whole: Variant, deviation: Deviation) -> Variant | None
     return None
 
 
-def last_heading(whole: Variant) -> str:
-    """The name of the heading under which a program's last rows stand; empty where none is known."""
+def last_heading(whole: Variant, heading: int | None = None) -> str:
+    """The name of a heading, or of that under which a program's last rows stand; empty where none is known."""
     last = max(whole.operations, key=lambda o: int(o.section.max(initial=-1)))
-    return last.headings[int(last.section.max())] if last.headings else ""
+    number = int(last.section.max()) if heading is None else heading
+    return last.headings[number] if last.headings else ""
 
 
 def _between(operation: Operation, steps: NDArray[np.integer]) -> Operation:

@@ -35,13 +35,14 @@ from gearsim.simulation.disturbance import Disturbance
 from gearsim.simulation.operation import Variant
 from gearsim.surfaces.cylindrical_gear import SIDES, CylindricalGear, Side
 from gearsim.surfaces.finished_gear import FinishedGear
+from gearsim.surfaces.gear_root import GearRoot
 from gearsim.surfaces.gear_stock import back_radius, gear_stock
 from gearsim.surfaces.involute import InvoluteFlank
 from gearsim.surfaces.part import Intended, Part, Tolerance
 from gearsim.surfaces.reached_flank import ReachedFlank
 from gearsim.toolpaths.cylindrical.limits import reached_range
 from gearsim.toolpaths.cylindrical.posting import as_printed, planned
-from gearsim.toolpaths.cylindrical.settings import Finishing, Settings
+from gearsim.toolpaths.cylindrical.settings import Finishing, RootMilling, Settings
 
 PROGRAM, LAST = "program", "last operation"
 _HEIGHTS = 41
@@ -144,6 +145,8 @@ def _part(scene: CylindricalGearScene, probed: ProbedGear) -> Part:
         for side in SIDES
     }
     blank, named = gear_stock(probed.gear, scene.surface.rim_mm), {str(s): i for s, i in flanks.items()}
+    if _root_heading(scene) is not None:
+        named["root"] = Intended(GearRoot(scene.surface.outline()), _root_tolerance(scene))
     return Part(FACE_FRAME, blank, named, whole=_whole(scene, probed))
 
 
@@ -152,9 +155,19 @@ def _whole(scene: CylindricalGearScene, probed: ProbedGear) -> FinishedGear:
     m, outline = scene.metrology, scene.surface.outline()
     flank, body = Tolerance.both(m.tolerance_um), Tolerance.both(m.body_tolerance_um)
     tolerances: dict[str, Tolerance] = dict.fromkeys(SIDES, flank)
-    tolerances["root"] = Tolerance(m.root_tolerance_um, m.root_excess_um)
+    tolerances["root"] = _root_tolerance(scene)
     tolerances |= dict.fromkeys(("tip", "top face", "bottom face", "bore", "outside"), body)
     return FinishedGear(outline, back_radius(probed.gear, scene.surface.rim_mm), tolerances, probed.design)
+
+
+def _root_heading(scene: CylindricalGearScene) -> int | None:
+    """Which of the planned operations mills the root; None: none does, or the program is the user's own."""
+    planned_root = (i for i, step in enumerate(scene.paths()) if isinstance(step, RootMilling))
+    return None if scene.program.file else next(planned_root, None)
+
+
+def _root_tolerance(scene: CylindricalGearScene) -> Tolerance:
+    return Tolerance(scene.metrology.root_tolerance_um, scene.metrology.root_excess_um)
 
 
 def _inspections(scene: CylindricalGearScene, probed: ProbedGear) -> Iterator[Inspection]:
@@ -166,6 +179,11 @@ def _inspections(scene: CylindricalGearScene, probed: ProbedGear) -> Iterator[In
         for side in SIDES
     )
     yield from grids
+    heading = _root_heading(scene)
+    if heading is not None:
+        yield GridInspection(
+            "root", (PROGRAM,), (), m.rows, m.columns, m.margin, judged=(PROGRAM,), last=LAST, heading=heading
+        )
     if len(spaces) < gear.count:
         yield SpacesInspection(PROGRAM, gear.count, grids, spaces)
     box = space_box(gear, scene.simulation.dexel_pitch_mm)

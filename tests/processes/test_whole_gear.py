@@ -6,6 +6,7 @@ from math import sqrt
 import numpy as np
 import pytest
 
+from gearsim.metrology.grid import DENSE
 from gearsim.metrology.named_faces import beside_faces, one_road
 from gearsim.processes.run import estimate, run
 from gearsim.scene import load_scene
@@ -16,8 +17,8 @@ COARSE = (
     "surface.teeth=8", "surface.rim_mm=5", "stock.pitch_mm=1.25", "stock.blank.diameter_mm=54", *STEPS,
     "toolpath.facing.radius_mm=28", "toolpath.outside.blank_radius_mm=27", "toolpath.outside.radius_mm=25",
     "toolpath.outside.axial_step_mm=10.5", "toolpath.bore.radius_mm=8.75", "toolpath.bore.axial_step_mm=10.5",
-    "toolpath.slots.radial_step_mm=4", "metrology.points=15", "metrology.spaces=1", "metrology.rows=3", "metrology.columns=5",
-    "simulation.dexel_pitch_mm=1", "metrology.section_pitch_mm=0.5",
+    "toolpath.slots.radial_step_mm=4", "metrology.points=15", "metrology.spaces=1", "metrology.rows=3",
+    "metrology.columns=5", "simulation.dexel_pitch_mm=1", "metrology.section_pitch_mm=0.5",
 )  # fmt: skip
 NAMES = ["FACING", "OUTSIDE DIAMETER", "BORE", "SLOTS", "ROOT", "TOOTH ROUGHING", "TOOTH FINISHING"]
 
@@ -41,8 +42,19 @@ def test_it_passes_and_every_surface_is_judged(result, found):
     assert all(s.ends > 50 for s in found.surfaces)
     ends = sum(2 * len(k.lo) for k in found.stock.left)
     assert sum(s.ends for s in found.surfaces) == ends  # none escapes
-    assert one_road(whole, result.job.part)[0].startswith("root, tip, top face, bottom face, bore: by one road only")
-    assert "root, tip, top face" in result.headline
+    assert one_road(whole, result.job.part)[0].startswith("tip, top face, bottom face, bore: by one road only")
+    assert "; tip, top face, bottom face, bore: by one road only" in result.headline
+
+
+def test_the_root_of_one_space_is_measured_along_its_normals_by_both_roads(result):
+    """A root pass asked again alone: between two chords of the way round a fillet at most the chord's sag is left."""
+    by_program, alone = (result.measurements["root", name, DENSE] for name in ("program", "last operation"))
+    um = 1e3 * by_program.deviation.value
+    assert by_program.deviation.measured.all()
+    assert -0.1 < um.min() < um.max() < 0.2
+    assert alone.gap.valid == um.size
+    assert alone.gap.trusted
+    assert alone.by.text.endswith("(T3)")
 
 
 def test_every_operation_has_its_name_its_tool_and_its_figures(found):

@@ -14,6 +14,7 @@ from gearsim.output.gear.style import NOISE_UM
 from gearsim.output.meshes import joined, mesh, points_of, quads
 from gearsim.output.view import DEVIATION, STEEL, Look, add_colours, add_legend, add_name, aim, aim_alike
 
+_ROOT = "root"
 _TURN = np.radians(2.0)
 LIFT = 0.03  # mm out of the section's skin, so that the measured flanks are not drawn inside it
 _ENDS = "#9aa1ab"
@@ -23,7 +24,7 @@ _LIGHT: dict[str, Any] = {"ambient": 0.35, "diffuse": 0.65}
 
 
 def draw_gear(data: dict[str, NDArray], surfaces: dict[str, Any], canvas: Canvas) -> None:
-    """The whole gear with the tool in space 0; space 0 with its measured flanks, seen onto each of them."""
+    """The whole gear with the tool in space 0; space 0 with its measured surfaces, seen onto each of its flanks."""
     whole, *spaces = canvas.views(3, size=(1650, 640))
     skin, ends = gear_body(data, "section")
     tool = tool_skin(data["gear:profile"], data["gear:tip"], data["gear:axis"])
@@ -39,7 +40,7 @@ def draw_gear(data: dict[str, NDArray], surfaces: dict[str, Any], canvas: Canvas
     body = gear_body(data, "space")
     shown = np.concatenate([points_of(shape) for shape in body])
     looks = []
-    for view, name in zip(spaces, surfaces, strict=True):
+    for view, name in zip(spaces, (name for name in surfaces if name != _ROOT), strict=True):
         way, up = _onto(data, name)
         _add_space(view, body, data, surfaces, limit, way)
         text = f"space 1, onto its {name} flank; neighbours in grey; {span}"
@@ -58,7 +59,7 @@ def gear_limit(data: dict[str, NDArray], um: NDArray) -> tuple[float, str]:
 def _add_space(
     view: Any, body: tuple[Any, Any], data: dict[str, NDArray], surfaces: dict[str, Any], limit: float, way: NDArray
 ) -> None:  # fmt: skip
-    """Space 0 and its neighbours, the measured flanks laid on it and coloured by their deviation; those seen are named.
+    """Space 0 and its neighbours, the measured surfaces on it coloured by their deviation; those seen are named.
 
     ``way`` to the eye.
     """
@@ -70,7 +71,9 @@ def _add_space(
         lifted = quads(points, {"deviation_um": data[f"patch:{name}:deviation_um"]})
         add_map(view, lifted, "deviation_um", limit, ambient=0.55, diffuse=0.5)
         if _normal(data, name) @ way > _FACING * np.linalg.norm(way):
-            add_name(view, points[points.shape[0] // 2, points.shape[1] // 2], f"{name} flank")
+            add_name(
+                view, points[points.shape[0] // 2, points.shape[1] // 2], name if name == _ROOT else f"{name} flank"
+            )
     add_colours(view, limit, DEVIATION)
 
 
