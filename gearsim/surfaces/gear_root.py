@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from gearsim.surfaces.gear_outline import GearOutline
-from gearsim.surfaces.involute import FlankJet
+from gearsim.surfaces.involute import FlankJet, polar_frame
 from gearsim.surfaces.patch import Way
 
 _OFF = 1.618e-4  # of the facewidth: a ray in the very plane in which a tool's end moves touches it all along
@@ -74,30 +74,24 @@ class GearRoot:
         gear, (far, middle) = self.outline.gear, self.outline.centre
         way, side, s = np.abs(u), np.where(u < 0.0, -1.0, 1.0), gear.sign
         land, fillet, _ = self.ends
-        out, around = _frame(np.minimum(way, land) / gear.root_radius)
+        out, around = polar_frame(np.minimum(way, land) / gear.root_radius)
         radius = np.full(u.shape, gear.root_radius)
         parts = [radius[..., None] * out, around, -out / gear.root_radius, s * out]
         if self.outline.fillet:
             turn = np.clip(way - land, 0.0, fillet - land) / self.outline.fillet
-            axis, across = _frame(np.full(u.shape, middle))
+            axis, across = polar_frame(np.full(u.shape, middle))
             c, n = np.cos(turn)[..., None], np.sin(turn)[..., None]
             inward = s * c * axis - n * across
             arc = [far * axis - self.outline.fillet * inward, s * n * axis + c * across,
                    inward / self.outline.fillet, inward]  # fmt: skip
             parts = [np.where((way > land)[..., None], a, p) for a, p in zip(arc, parts, strict=True)]
-        out, around = _frame(np.full(u.shape, gear.space_half_angle))
+        out, around = polar_frame(np.full(u.shape, gear.space_half_angle))
         wall = [(self.outline.form_radius + way - fillet)[..., None] * out, out, 0.0 * out, -around]
         mirror = np.stack([np.ones(u.shape), side, np.ones(u.shape)], axis=-1)
         point, along, bend, normal = (
             mirror * np.where((way > fillet)[..., None], w, p) for w, p in zip(wall, parts, strict=True)
         )
         return point, side[..., None] * along, bend, normal
-
-
-def _frame(angle: NDArray) -> tuple[NDArray, NDArray]:
-    """Unit vectors outward and around at polar angles, shape (..., 3)."""
-    c, s, nil = np.cos(angle), np.sin(angle), np.zeros(angle.shape)
-    return np.stack([c, s, nil], axis=-1), np.stack([-s, c, nil], axis=-1)
 
 
 def _turned(vectors: NDArray, turn: NDArray) -> NDArray:

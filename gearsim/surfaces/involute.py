@@ -136,7 +136,7 @@ class InvoluteFlank:
 
     def _pure(self, u: NDArray, v: NDArray) -> FlankJet:
         radius, twist, f = self.gear.base_radius, self.gear.twist, self.sign
-        e, t = _frame(self.theta(u, v))
+        e, t = polar_frame(self.theta(u, v))
         xi = u[..., None]
         up = np.array([0.0, 0.0, 1.0])
         r = radius * (e - f * xi * t) + v[..., None] * up
@@ -153,7 +153,7 @@ class InvoluteFlank:
         shift = (profile[0] + lead[0])[..., None]
         du, duu = profile[1][..., None], profile[2][..., None]
         dv, dvv = lead[1][..., None], lead[2][..., None]
-        e, t = _frame(self.theta(u, v))
+        e, t = polar_frame(self.theta(u, v))
         c, n = gear.sign * cos(gear.base_helix_angle), pure.normal
         nu, nv = c * e, f * twist * c * e
         r = pure.r + shift * n
@@ -192,7 +192,7 @@ def tangential_motion(flank: InvoluteFlank, offset: float, z: float) -> Callable
     return pose
 
 
-def _frame(theta: NDArray) -> tuple[NDArray, NDArray]:
+def polar_frame(theta: NDArray) -> tuple[NDArray, NDArray]:
     """Unit vectors outward and around at polar angles, shape (..., 3)."""
     c, s, nil = np.cos(theta), np.sin(theta), np.zeros(np.shape(theta))
     return np.stack([c, s, nil], axis=-1), np.stack([-s, c, nil], axis=-1)
