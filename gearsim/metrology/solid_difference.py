@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from gearsim.simulation.intervals import IntervalSet, concatenate, stretches, subtract
 from gearsim.simulation.stock import AXES, Stock
+from gearsim.surfaces.faced_solid import FacedPart
 from gearsim.surfaces.machined_solid import MachinedSolid
 
 
@@ -22,7 +23,7 @@ class Difference(NamedTuple):
     unseen: tuple[int, ...]
 
 
-def difference(intended: MachinedSolid, stock: Stock) -> Difference:
+def difference(intended: MachinedSolid | FacedPart, stock: Stock) -> Difference:
     """Compare them along all rays, to the ends of the stock's box.
 
     Where a piece of the part is missing as a whole, no end of the stock lies off the intended surface; its rays tell.

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from dataclasses import dataclass
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -14,11 +14,9 @@ from gearsim.geometry.wedge import Wedge
 from gearsim.metrology.blank_check import outside
 from gearsim.metrology.findings import Finding, stock_out_of_tolerance, through_material
 from gearsim.metrology.inspection import Machine, Reading, Steps
-from gearsim.metrology.named_faces import beside_faces, one_road
 from gearsim.metrology.samples import sample_grid
 from gearsim.metrology.stock_surfaces import (
     NEAR_MM,
-    SOLID,
     SurfaceFigures,
     beside_solid,
     cut_ends,
@@ -31,13 +29,11 @@ from gearsim.simulation.operation import Operation, turned_copies
 from gearsim.simulation.sequence import Machined, Machining, in_sequence
 from gearsim.simulation.stock import Stock
 from gearsim.simulation.work import Work
-from gearsim.surfaces.machined_solid import MachinedSolid
-from gearsim.surfaces.part import NamedFaces, Tolerance
+from gearsim.surfaces.part import NamedFaces, Part, Tolerance
 
 if TYPE_CHECKING:
     from gearsim.metrology.job import Job
 
-_BY_RAYS = "the solid: by one road only, at the ends of a tri-dexel's rays"
 _ROWS, _COLUMNS, _MARGIN = 33, 129, 0.01
 
 
@@ -70,8 +66,8 @@ class StockMeasurement:
     """A whole blank machined: its volumes [mm³] by bundle before, the stock and its surface after, what was found.
 
     ``deviation`` [mm] at each of the contour's vertices, by the ends of material around it, from what is intended near
-    them; nan where nothing is. ``sectors``: of how many alike ones the blank is one; 1: it is whole.
-    ``intended_volume`` [mm³], where it is known.
+    them; nan where nothing is. ``tolerances``: what of an intended solid the ends are held against, by name.
+    ``sectors``: of how many alike ones the blank is one; 1: it is whole. ``intended_volume`` [mm³], where it is known.
     """
 
     variant: str
@@ -82,7 +78,7 @@ class StockMeasurement:
     deviation: NDArray[np.floating]
     operations: tuple[OperationFigures, ...]
     surfaces: tuple[SurfaceFigures, ...]
-    solid_tolerance: Tolerance | None = None
+    tolerances: Mapping[str, Tolerance] = field(default_factory=dict)
     sectors: int = 1
     intended_volume: float | None = None
     surface: str = ""
@@ -93,9 +89,8 @@ class StockMeasurement:
 class StockInspection:
     """A ``blank`` cut by a variant, ``copies`` times about the part's axis, seen by the tri-dexel of a box.
 
-    ``intended``: the solid that the whole stock is held against, where there is one; ``whole``: one all of whose faces
-    are named, which then stands for the part's surfaces. ``rapid_mm_min``: how fast the tip goes by rapid (None: not
-    known).
+    ``intended``: the solid that the whole stock is held against, where there is one; its faces then stand for the
+    part's surfaces. ``rapid_mm_min``: how fast the tip goes by rapid (None: not known).
     """
 
     variant: str
@@ -104,8 +99,7 @@ class StockInspection:
     copies: int = 1
     spaces: int = 1
     rapid_mm_min: float | None = None
-    intended: MachinedSolid | None = None
-    whole: NamedFaces | None = None
+    intended: NamedFaces | None = None
     name: str = "stock"
 
     def operations(self, job: Job) -> tuple[Operation, ...]:
@@ -118,35 +112,32 @@ class StockInspection:
         machined: Machined = (yield [Machine(Machining(self.blank, self.box, operations))])[0]
         left = np.array([machined.blank_volumes, *(work.left for work in machined.work)])
         figures = tuple(map(self._figures, machined.work, -np.diff(left, axis=0)))
-        surfaces, findings, ends = [], [], cut_ends(machined.stock)
+        surfaces: list[SurfaceFigures] = []
+        findings: list[Finding] = []
+        ends = cut_ends(machined.stock)
         for intended in job.part.surfaces.values():
             grid = sample_grid(intended.patch, _ROWS, _COLUMNS, _MARGIN)
-            if self.whole is None:
-                found = near_surface(grid, ends, self.spaces)
-                surfaces.append(found)
-                findings += list(_judged(found, intended.tolerance, job))
             findings += outside(grid, intended.tolerance, self.blank, self.copies, job.part)
+            if self.intended is None:
+                surfaces.append(near_surface(grid, ends, self.spaces))
+                findings += list(_judged(surfaces[-1], intended.tolerance, job))
         if self.intended is not None:
-            found, doubts = beside_solid(self.intended, machined.stock)
-            surfaces.append(found)
-            findings += list(_judged(found, self.intended.tolerance, job))
-        if self.whole is not None:
-            surfaces, doubts = beside_faces(self.whole, machined.stock)
+            surfaces, doubts = beside_solid(self.intended, machined.stock)
             for found in surfaces:
-                findings += list(_judged(found, self.whole.tolerances[found.surface], job))
+                findings += list(_judged(found, self.intended.tolerances[found.surface], job))
         findings += self._rapids(machined, job)
         measured = StockMeasurement(
             self.variant, machined.stock, machined.contour, machined.blank_volumes, self.blank.volume,
             at_vertices(machined.contour, self._deviation(job, machined.contour)), figures, tuple(surfaces),
-            None if self.intended is None else self.intended.tolerance,
-            self.copies if isinstance(self.blank, Wedge) else 1, None if self.whole is None else self.whole.volume,
+            {} if self.intended is None else self.intended.tolerances,
+            self.copies if isinstance(self.blank, Wedge) else 1,
+            None if self.intended is None else self.intended.volume,
         )  # fmt: skip
-        if self.whole is not None:
-            return Reading((measured,), tuple(findings), doubts, self.whole.faces, one_road(self.whole, job.part))
         if self.intended is None:
             doubts = _none_near(surfaces, job)
             return Reading((measured,), tuple(findings), doubts, remarks=(self._said(),) if self.copies > 1 else ())
-        return Reading((measured,), tuple(findings), doubts, (SOLID,), (_BY_RAYS,))
+        judged = tuple(self.intended.tolerances)
+        return Reading((measured,), tuple(findings), doubts, judged, one_road(self.intended, job.part))
 
     def _said(self) -> str:
         which = "one sector of them is" if isinstance(self.blank, Wedge) else "beside one they are"
@@ -155,9 +146,9 @@ class StockInspection:
 
     def _deviation(self, job: Job, found: Contour) -> NDArray:
         """Signed distances of a contour's hits from the intended solid, or of those cut from the nearest surface."""
-        points, solid = found.hit, self.whole or self.intended
-        if solid is not None:
-            distance = solid.signed_distance(points)
+        points = found.hit
+        if self.intended is not None:
+            distance = self.intended.signed_distance(points)
             return np.where(np.abs(distance) < NEAR_MM, distance, np.nan)
         cut, out = np.zeros(len(points), dtype=bool), np.full(len(points), np.nan)
         cut[found.of[found.mesh.tag >= 0]] = True
@@ -184,6 +175,12 @@ class StockInspection:
                 line = int(work.operation.line[work.touch.row])
                 called = f"a rapid move of {work.operation.name}" + (f" in line {line}" if line else "")
                 yield through_material(job.part, work.touch.place, 1e3 * work.touch.depth, called)
+
+
+def one_road(intended: NamedFaces, part: Part) -> tuple[str, ...]:
+    """What must be said of the faces that are no surfaces of the part's own, which two roads measure."""
+    alone = [name for name in intended.tolerances if name not in part.surfaces]
+    return (f"{', '.join(alone)}: by one road only, at the ends of a tri-dexel's rays",) if alone else ()
 
 
 def _none_near(surfaces: list[SurfaceFigures], job: Job) -> tuple[str, ...]:

@@ -11,9 +11,10 @@ from gearsim.metrology.closest import signed_distance
 from gearsim.metrology.samples import SampleGrid
 from gearsim.metrology.solid_difference import difference
 from gearsim.simulation.stock import AXES, Stock
+from gearsim.surfaces.faced_solid import FacedPart
 from gearsim.surfaces.machined_solid import MachinedSolid
+from gearsim.surfaces.part import NamedFaces
 
-SOLID = "solid"
 NEAR_MM = 0.5
 
 
@@ -59,25 +60,43 @@ def near(grid: SampleGrid, points: NDArray, spaces: int) -> tuple[NDArray, NDArr
     return close[real], distance[real]
 
 
-def beside_solid(intended: MachinedSolid, stock: Stock) -> tuple[SurfaceFigures, tuple[str, ...]]:
+def beside_solid(intended: NamedFaces, stock: Stock) -> tuple[list[SurfaceFigures], tuple[str, ...]]:
     """Signed distances of all of a stock's ends, those of the blank too, from an intended solid; what forbids trust.
 
-    So are those of the middles of all stretches of its rays that only one of the two holds.
+    So are, where the solid's own chords are known, those of the middles of all stretches of its rays that only one of
+    the two holds; without them pieces between rays escape alone, where the solid is connected: material ends at a piece
+    that is missing or too much. Each counts for the face that is nearest.
     """
     ends = all_ends(stock)
-    middle, unseen = difference(intended, stock)
-    doubts: tuple[str, ...] = ()
-    if unseen:
-        lower, upper = intended.minus[unseen[0]].box
-        where = ", ".join(f"{x:.4g}" for x in 0.5 * (lower + upper))
-        doubts += (
-            f"no ray meets {len(unseen)} of {len(intended.minus)} shapes that surface.minus takes from the body, one "
-            f"about ({where}) mm: it lies off the body, or wants a finer stock.pitch_mm",
-        )
+    middle, doubts = np.zeros((0, 3)), []
+    if isinstance(intended, MachinedSolid | FacedPart):
+        middle, unseen = difference(intended, stock)
+        doubts += _unseen(intended, unseen)
     if not len(ends):
-        doubts += ("no ray of the stock holds any material: nothing of the solid was judged",)
+        doubts.append("no ray of the stock holds any material: nothing of the solid was judged")
     points = np.concatenate([ends, middle]) if len(ends) else ends
-    return extremes(SOLID, len(ends), points, intended.signed_distance(points)), doubts
+    distance, face = intended.by_face(points)
+    seen = np.bincount(face[: len(ends)], minlength=len(intended.tolerances))
+    found = [
+        extremes(name, int(seen[k]), points[face == k], distance[face == k])
+        for k, name in enumerate(intended.tolerances)
+    ]
+    unmet = [name for name, count in zip(intended.tolerances, seen, strict=True) if len(ends) and not count]
+    if unmet:
+        doubts.append(f"no ray of the whole part ends at {', '.join(unmet)}; a finer stock.pitch_mm may meet it")
+    return found, tuple(doubts)
+
+
+def _unseen(intended: MachinedSolid | FacedPart, unseen: tuple[int, ...]) -> list[str]:
+    """That shapes taken from a body take nothing from any ray."""
+    if not unseen:
+        return []
+    lower, upper = intended.minus[unseen[0]].box
+    where = ", ".join(f"{x:.4g}" for x in 0.5 * (lower + upper))
+    return [
+        f"no ray meets {len(unseen)} of {len(intended.minus)} shapes that surface.minus takes from the body, one "
+        f"about ({where}) mm: it lies off the body, or wants a finer stock.pitch_mm"
+    ]
 
 
 def cut_ends(stock: Stock) -> NDArray:

@@ -47,8 +47,9 @@ def _grids(job: Job) -> list[GridInspection]:
 
 
 def _passes(job: Job) -> dict[str, Variant]:
-    """The variant that finishes a surface in a pass of its own, by surfaces."""
-    by = {i.surface: job.variant(i.witnessed[0], i.surface) for i in _grids(job) if i.witnessed and not i.generating}
+    """The variant that finishes a gear's surface in a pass of its own, by surfaces."""
+    mine = [i for i in _grids(job) if i.witnessed and not i.generating and job.part.patch(i.surface).blank is not None]
+    by = {i.surface: job.variant(i.witnessed[0], i.surface) for i in mine}
     return {surface: variant for surface, variant in by.items() if not variant.cutter.is_ring}
 
 

@@ -47,6 +47,9 @@ def colour_limit(data: dict[str, NDArray], um: NDArray) -> tuple[float, str]:
     """Where the colours of deviations ``um`` end, and that in words: a tolerance, or else their size."""
     if "tooth:limit_um" in data:
         return float(data["tooth:limit_um"]), str(data["tooth:span"])
+    if "whole:limit_um" in data:
+        limit = float(data["whole:limit_um"])
+        return limit, f"colours span the tolerance, {limit:.3g} um either way"
     return gear_limit({"gear:tolerance_um": np.array(np.inf), **data}, um)
 
 

@@ -5,7 +5,6 @@ from __future__ import annotations
 from typing import Any
 
 from gearsim.metrology.stock_check import StockMeasurement
-from gearsim.metrology.stock_surfaces import SOLID
 from gearsim.output.markdown import VIEW_MARK, findings, not_drawn, pictures, provenance, verdict
 from gearsim.output.presenters import SLOTS, collected
 from gearsim.result import Result
@@ -54,6 +53,8 @@ def _tolerances(result: Result) -> str:
         if surface.tolerance is not None:
             limits.setdefault(surface.tolerance.text, []).append(name)
     for measured in result.measurements.values():
-        if isinstance(measured, StockMeasurement) and measured.solid_tolerance is not None:
-            limits.setdefault(measured.solid_tolerance.text, []).append(SOLID)
+        if isinstance(measured, StockMeasurement):
+            for name, tolerance in measured.tolerances.items():
+                if name not in result.job.part.surfaces:
+                    limits.setdefault(tolerance.text, []).append(name)
     return "; ".join(f"{', '.join(names)}: {text}" for text, names in limits.items()) or "no surface has a tolerance"

@@ -160,8 +160,10 @@ def layers(result: Result, found: Sequence[StockMeasurement]) -> dict[str, NDArr
     """The whole part's surface, of each triangle what made it, of each vertex how far it is off."""
     (m,) = found
     mesh, tolerances = m.contour.mesh, [s.tolerance for s in result.job.part.surfaces.values() if s.tolerance]
-    tolerances += [tolerance] if (tolerance := m.solid_tolerance) else []
-    ends = [um for t in tolerances for um in (t.overcut_um, t.excess_um) if 0.0 < um < np.inf]
+    ends = [
+        max((um for um in (t.overcut_um, t.excess_um) if um < np.inf), default=10.0)
+        for t in tolerances or m.tolerances.values()
+    ]  # fmt: skip
     names = [o.name for o in m.operations]
     cutters = [o.operation.cutter.name for o in m.operations]
     return {

@@ -154,10 +154,8 @@ def _whole(scene: CylindricalGearScene, probed: ProbedGear) -> FinishedGear:
     """All of the gear's surface, flanks, root and what was turned before them each by its own tolerance."""
     m, outline = scene.metrology, scene.surface.outline()
     flank, body = Tolerance.both(m.tolerance_um), Tolerance.both(m.body_tolerance_um)
-    tolerances: dict[str, Tolerance] = dict.fromkeys(SIDES, flank)
-    tolerances["root"] = _root_tolerance(scene)
-    tolerances |= dict.fromkeys(("tip", "top face", "bottom face", "bore", "outside"), body)
-    return FinishedGear(outline, back_radius(probed.gear, scene.surface.rim_mm), tolerances, probed.design)
+    back = back_radius(probed.gear, scene.surface.rim_mm)
+    return FinishedGear(outline, back, flank, _root_tolerance(scene), body, probed.design)
 
 
 def _root_heading(scene: CylindricalGearScene) -> int | None:

@@ -41,7 +41,7 @@ def with_stock(job: Job, table: StockTable) -> Job:
     else:
         box = whole_box(blank, table.pitch_mm)
     copies = 1 if table.spaces == "one" else spaces
-    asked = StockInspection(job.main, blank, box, copies, spaces, table.rapid_mm_min, whole=job.part.whole)
+    asked = StockInspection(job.main, blank, box, copies, spaces, table.rapid_mm_min, intended=job.part.whole)
     kept = [i for i in job.inspections if copies == 1 or not isinstance(i, SpacesInspection)]  # the stock sees them all
     kept = [replace(i, stock=whole, copies=copies) if isinstance(i, HolderInspection) else i for i in kept]
     return replace(job, inspections=(*kept, asked))

@@ -15,6 +15,7 @@ from gearsim.surfaces.nurbs import NurbsSurface
 MaterialSide = Literal["solid", "stated", "assumed"]
 Loop = tuple[NDArray, ...]
 _ROUNDING = 1e-9
+_WHOLE = 1e-6
 
 
 @dataclass(frozen=True, eq=False)
@@ -45,6 +46,16 @@ class Face:
         (u0, u1), (v0, v1) = self.surface.domain
         bends = [np.abs(np.diff(e, 2, axis=0)).max(axis=0, initial=0.0) for loop in self.loops for e in loop]
         return 0.25 * np.max(bends, axis=0) + _ROUNDING * np.array([u1 - u0, v1 - v0])
+
+    @property
+    def is_whole(self) -> bool:
+        """Whether the boundary is that of the surface's domain, to a millionth of its area."""
+        if not self.loops:
+            return True
+        start, end = self.outline
+        (u0, u1), (v0, v1) = self.surface.domain
+        area = 0.5 * abs(float(np.sum(start[:, 0] * end[:, 1] - end[:, 0] * start[:, 1])))
+        return abs(area - (u1 - u0) * (v1 - v0)) <= _WHOLE * (u1 - u0) * (v1 - v0)
 
     def holds(self, u: NDArray, v: NDArray) -> NDArray[np.bool_]:
         """Whether the points of the grid of lines u (n,) and v (m,) lie inside the boundary, not on it: (m, n)."""

@@ -20,14 +20,16 @@ class FinishedGear:
     """A gear between its faces, of whole teeth, with a bore (an internal one: an outside) of radius ``back`` [mm]; 0:
     none.
 
-    ``tolerances``: of ``left``, ``right`` (the flanks of all spaces), ``root`` (root lands, fillets, and walls under
-    the involutes), ``tip``, ``top face``, ``bottom face`` and ``bore`` or ``outside``. ``design``: what the flanks are
-    meant to deviate from involutes.
+    Tolerances: ``flank`` of the faces left and right (the flanks of all spaces), ``root`` of the face root (root lands,
+    fillets, and walls under the involutes), ``body`` of tip, top face, bottom face and bore or outside. ``design``:
+    what the flanks are meant to deviate from involutes.
     """
 
     outline: GearOutline
     back: float
-    tolerances: dict[str, Tolerance]
+    flank: Tolerance
+    root: Tolerance
+    body: Tolerance
     design: FlankModification | None = None
 
     @property
@@ -36,12 +38,13 @@ class FinishedGear:
         return self.outline.area(self.back) * self.outline.gear.facewidth
 
     @property
-    def faces(self) -> tuple[str, ...]:
-        """Names of the faces, as ``locate`` counts them."""
+    def tolerances(self) -> dict[str, Tolerance]:
+        """Of each face, by its name, in the order in which ``by_face`` counts them."""
+        flanks = {"left": self.flank, "right": self.flank}
         back = ("outside" if self.outline.gear.is_internal else "bore",) * (self.back > 0.0)
-        return "left", "right", "root", "tip", "top face", "bottom face", *back
+        return flanks | {"root": self.root} | dict.fromkeys(("tip", "top face", "bottom face", *back), self.body)
 
-    def locate(self, points: NDArray) -> tuple[NDArray, NDArray]:
+    def by_face(self, points: NDArray) -> tuple[NDArray, NDArray]:
         """Signed distances [mm] of points, shape (n, 3), negative inside, and which faces they are nearest to, (n,).
 
         Along normals, exactly beside lands, faces, flanks (helical ones, too) and a spur gear's fillets; beside a
@@ -52,8 +55,8 @@ class FinishedGear:
         return np.concatenate(distance), np.concatenate(face)
 
     def signed_distance(self, points: NDArray) -> NDArray:
-        """Distances [mm] of points, shape (n, 3), as ``locate`` gives them."""
-        return self.locate(points)[0]
+        """Distances [mm] of points, shape (n, 3), as ``by_face`` gives them."""
+        return self.by_face(points)[0]
 
     def _locate(self, points: NDArray) -> tuple[NDArray, NDArray]:
         gear = self.outline.gear

@@ -49,12 +49,12 @@ class FaceFile(NamedTuple):
 
 
 def load_faces(name_or_path: str | Path) -> FaceFile:
-    """The faces of a shipped control net, by name, or of a file (JSON, IGES or STEP by its suffix).
+    """The faces of a shipped control net or CAD file, by name, or of a file (JSON, IGES or STEP by its suffix).
 
     Faces of a CAD file that cannot be used are skipped and named. Raises InputError naming file and surface for
     anything else that cannot be used.
     """
-    path = Path(name_or_path)
+    path = _beside_shipped(Path(name_or_path))
     if str(name_or_path) in surface_names() or path.suffix.lower() not in CAD_SUFFIXES:
         surfaces = _load_json(name_or_path)
         names = _distinct([s.name for s in surfaces])
@@ -79,6 +79,25 @@ def load_surfaces(name_or_path: str | Path) -> list[NurbsSurface]:
     if found.skipped:
         raise InputError(f"cannot read {name_or_path}: {'; '.join(found.skipped[:3])}")
     return [face.surface for face in found.faces.values()]
+
+
+def load_untrimmed(name_or_path: str | Path) -> list[NurbsSurface]:
+    """As `load_surfaces`, of faces that are their whole surfaces. Raises InputError for one that is a part of its."""
+    for number, face in load_faces(name_or_path).faces.items():
+        if face.loops and not face.is_whole:
+            raise InputError(
+                f"{name_or_path}, face {number}: its boundary leaves a part of its surface out; expected faces that "
+                "reach to their surfaces' borders, split them there"
+            )
+    return load_surfaces(name_or_path)
+
+
+def _beside_shipped(path: Path) -> Path:
+    """The CAD file shipped under a bare name, where there is none in the working directory."""
+    if path.suffix.lower() in CAD_SUFFIXES and path.name == str(path) and not is_file(path):
+        shipped = Path(str(files("gearsim.scenes").joinpath("surfaces", path.name)))
+        return shipped if is_file(shipped) else path
+    return path
 
 
 def _load_json(name_or_path: str | Path) -> list[NurbsSurface]:

@@ -47,22 +47,19 @@ class Intended:
 
 
 class NamedFaces(Protocol):
-    """A whole part as it is meant to be: a connected solid whose surface is all of named faces."""
+    """A whole part as it is meant to be: a solid whose surface is all of named faces."""
 
     @property
-    def faces(self) -> tuple[str, ...]: ...
-
-    @property
-    def volume(self) -> float:
-        """Its volume [mm³]."""
+    def volume(self) -> float | None:
+        """Its volume [mm³], where it is known."""
         ...
 
     @property
     def tolerances(self) -> dict[str, Tolerance]:
-        """Of each face."""
+        """Of each face, by its name."""
         ...
 
-    def locate(self, points: NDArray) -> tuple[NDArray, NDArray]:
+    def by_face(self, points: NDArray) -> tuple[NDArray, NDArray]:
         """Signed distances [mm] of points, shape (n, 3), negative inside, and which faces they are nearest to, (n,)."""
         ...
 

@@ -7,7 +7,8 @@ import numpy as np
 import pytest
 
 from gearsim.metrology.grid import DENSE
-from gearsim.metrology.named_faces import beside_faces, one_road
+from gearsim.metrology.stock_check import one_road
+from gearsim.metrology.stock_surfaces import beside_solid
 from gearsim.processes.run import estimate, run
 from gearsim.scene import load_scene
 from gearsim.surfaces.gear_outline import GearOutline
@@ -38,7 +39,7 @@ def test_it_passes_and_every_surface_is_judged(result, found):
     assert not [f for f in result.findings if f.fails]
     whole = result.job.part.whole
     faces = ("left", "right", "root", "tip", "top face", "bottom face", "bore")
-    assert tuple(s.surface for s in found.surfaces) == whole.faces == faces
+    assert tuple(s.surface for s in found.surfaces) == tuple(whole.tolerances) == faces
     assert all(s.ends > 50 for s in found.surfaces)
     ends = sum(2 * len(k.lo) for k in found.stock.left)
     assert sum(s.ends for s in found.surfaces) == ends  # none escapes
@@ -93,7 +94,7 @@ def test_what_differs_from_the_intended_solid_is_found_on_its_face(result, found
     gear = whole.outline.gear
 
     def against(other):
-        return {s.surface: s for s in beside_faces(other, found.stock)[0]}
+        return {s.surface: s for s in beside_solid(other, found.stock)[0]}
 
     sharp = against(replace(whole, outline=GearOutline(gear, 0.0)))["root"]
     assert 0.1 < sharp.excess <= (sqrt(2.0) - 1.0) * 1.9
@@ -106,13 +107,15 @@ def test_what_differs_from_the_intended_solid_is_found_on_its_face(result, found
     assert more["left"].excess > 0.01
 
 
-def test_a_face_without_ends_is_doubted(result, found):
-    left = tuple(replace(k, lo=k.lo[:0], hi=k.hi[:0], first=0 * k.first, lo_segment=k.lo_segment[:0],
-                         hi_segment=k.hi_segment[:0]) for k in found.stock.left)  # fmt: skip
-    figures, doubts = beside_faces(result.job.part.whole, replace(found.stock, left=left))
-    assert len(doubts) == 7
-    assert "no end of the whole part's rays lies on its root: nothing of it was judged" in doubts[2]
-    assert all(f.ends == 0 for f in figures)
+def test_faces_without_ends_are_doubted(result, found):
+    nothing = [replace(k, lo=k.lo[:0], hi=k.hi[:0], first=0 * k.first, lo_segment=k.lo_segment[:0],
+                       hi_segment=k.hi_segment[:0]) for k in found.stock.left]  # fmt: skip
+    along_z = replace(found.stock, left=(*nothing[:2], found.stock.left[2]))
+    figures, doubts = beside_solid(result.job.part.whole, along_z)
+    assert len(doubts) == 1
+    assert doubts[0].startswith("no ray of the whole part ends at left, right, root, tip, bore; a finer")
+    assert [f.surface for f in figures if f.ends] == ["top face", "bottom face"]
+    assert beside_solid(result.job.part.whole, replace(found.stock, left=tuple(nothing)))[1][0].startswith("no ray of")
 
 
 def test_a_dry_run_counts_what_the_run_counts(result):

@@ -14,8 +14,10 @@ from gearsim.surfaces.flank_modification import FlankModification
 from gearsim.surfaces.gear_outline import FILLET, FLANK, LAND, TIP, WALL, GearOutline
 from gearsim.surfaces.gear_stock import back_radius, gear_stock
 from gearsim.surfaces.involute import InvoluteFlank
+from gearsim.surfaces.part import Tolerance
 
 # teeth, helix, fillet: the root inside and outside the base circle, sharp corners, internal gears
+TOLERANCES = [Tolerance.both(1.0)] * 3
 CASES = [(15, 0.0, 1.9), (15, 0.2, 0.0), (50, 0.0, 1.0), (50, 0.3, 0.0), (-30, 0.0, 1.5), (-30, 0.17, 0.0)]
 
 
@@ -25,7 +27,7 @@ def outline(teeth, helix, fillet):
 
 def solid(section, **options):
     gear = section.gear
-    return FinishedGear(section, gear.root_radius - gear.sign * 15.0, {}, **options)
+    return FinishedGear(section, gear.root_radius - gear.sign * 15.0, *TOLERANCES, **options)
 
 
 @pytest.mark.parametrize("case", CASES)
@@ -89,7 +91,7 @@ def test_off_a_flank_along_its_normal_the_distance_is_exact(teeth, helix):
         roll = np.linspace(*sorted((max(section.form_roll, 0.1), gear.tip_roll)), 7)[1:-1]
         jet = flank.jet(roll, np.linspace(-8.0, -2.0, 5))
         for off in (-0.2, 0.0, 0.1):
-            distance, face = solid(section).locate(jet.r + off * jet.normal)
+            distance, face = solid(section).by_face(jet.r + off * jet.normal)
             assert distance == pytest.approx(np.full(5, off), abs=1e-12)
             assert (face == number).all()
 
@@ -99,7 +101,7 @@ def test_a_design_is_part_of_the_flank():
     design = FlankModification(profile_slope=0.02, helix_crowning=0.01)
     flank = InvoluteFlank(gear, "left", modification=design)
     jet = flank.jet(np.array([0.2, 0.5]), np.array([-2.0, -7.0]))
-    distance, _ = solid(GearOutline(gear), design=design).locate(jet.r)
+    distance, _ = solid(GearOutline(gear), design=design).by_face(jet.r)
     assert distance == pytest.approx(np.zeros(2), abs=2e-7)  # the slope's square: 20 um * 0.0025²
 
 
@@ -110,8 +112,8 @@ def test_every_face_has_its_name_and_its_place():
     flank = [[38.0 * cos(a), 38.0 * np.sin(a), -5.0] for a in (-wall, wall)]
     tip, top = [42.5 * cos(tooth), 42.5 * np.sin(tooth), -5.0], [20.0, 0.0, 0.0]
     points = np.array([*flank, [31.25, 0.0, -5.0], tip, top, [0.0, 20.0, -10.0], [0.0, -16.25, -5.0]])
-    distance, face = whole.locate(points)
-    assert [whole.faces[k] for k in face] == list(whole.faces)
+    distance, face = whole.by_face(points)
+    assert [list(whole.tolerances)[k] for k in face] == list(whole.tolerances)
     assert distance == pytest.approx(np.zeros(7), abs=1e-12)
     out = np.array([[31.25 + 0.01, 0.0, -5.0], [31.25 - 0.01, 0.0, -5.0], [20.0, 0.0, 0.02], [20.0, 0.0, -0.02]])
     assert whole.signed_distance(out) == pytest.approx([0.01, -0.01, 0.02, -0.02])
@@ -121,12 +123,12 @@ def test_every_face_has_its_name_and_its_place():
 def test_a_rim_that_reaches_to_the_axis_leaves_no_bore(rim):
     section = outline(15, 0.0, 1.9)
     assert back_radius(section.gear, rim) == 0.0
-    whole, disc = FinishedGear(section, 0.0, {}), gear_stock(section.gear, rim)
-    assert whole.faces[-1] == "bottom face"
-    assert whole.volume == pytest.approx(FinishedGear(section, 10.0, {}).volume + pi * 10.0**3)
+    whole, disc = FinishedGear(section, 0.0, *TOLERANCES), gear_stock(section.gear, rim)
+    assert list(whole.tolerances)[-1] == "bottom face"
+    assert whole.volume == pytest.approx(FinishedGear(section, 10.0, *TOLERANCES).volume + pi * 10.0**3)
     assert disc.volume == pytest.approx(pi * 42.5**2 * 10.0)
-    distance, face = whole.locate(np.array([[0.0, 0.0, -4.0]]))
-    assert (distance[0], whole.faces[face[0]]) == (-4.0, "top face")
+    distance, face = whole.by_face(np.array([[0.0, 0.0, -4.0]]))
+    assert (distance[0], list(whole.tolerances)[face[0]]) == (-4.0, "top face")
 
 
 @pytest.mark.parametrize("teeth", [15, 50, -30])

@@ -9,6 +9,7 @@ from gearsim.surfaces.cylindrical_gear import CylindricalGear
 from gearsim.surfaces.finished_gear import FinishedGear
 from gearsim.surfaces.gear_outline import GearOutline
 from gearsim.surfaces.gear_root import GearRoot
+from gearsim.surfaces.part import Tolerance
 
 CASES = [(15, 0.0, 1.9), (15, 0.2, 1.9), (15, 0.0, 0.0), (50, 0.3, 1.0), (-30, 0.17, 1.5)]
 
@@ -27,9 +28,9 @@ def samples(root):
 
 def test_it_lies_on_the_outline_and_its_normals_lead_out(root):
     jet = root.jet(*samples(root))
-    whole = FinishedGear(root.outline, 0.0, {})
+    whole = FinishedGear(root.outline, 0.0, *[Tolerance.both(1.0)] * 3)
     for off in (-1e-3, 0.0, 1e-3):
-        distance, face = whole.locate(jet.r + off * jet.normal)
+        distance, face = whole.by_face(jet.r + off * jet.normal)
         assert distance == pytest.approx(np.full(9, off), abs=1e-12 if off == 0.0 else 1e-6)
         assert (face == 2).all()
     assert np.linalg.norm(jet.normal, axis=-1) == pytest.approx(np.ones(9))

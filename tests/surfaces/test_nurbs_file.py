@@ -126,7 +126,8 @@ def test_unknown_names_and_files_are_refused(tmp_path):
 
 def test_the_nets_of_chapter_9():
     """S(3, 0.5) as printed in 9.1 and 9.3, and curvatures in closed form: bowls as seen from the tool."""
-    assert surface_names() == [f"khan-9-{n}-{kind}" for n in (1, 2) for kind in ("cylinder", "free-form")]
+    printed = [name for name in surface_names() if name.startswith("khan")]
+    assert printed == [f"khan-9-{n}-{kind}" for n in (1, 2) for kind in ("cylinder", "free-form")]
     apart = 20.0 - np.sqrt(200.0)
     wanted = {
         "khan-9-1-cylinder": ((apart, 60.0, apart), 1 / 20), "khan-9-1-free-form": ((5, 60, 5), np.sqrt(0.005)),
