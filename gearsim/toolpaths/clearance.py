@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gearsim.cutters.profile import Profile
+from gearsim.geometry.solid import Solid
 from gearsim.geometry.turned import Turned
 from gearsim.motion.sources import CLMotion
 
@@ -31,7 +32,7 @@ _OPPOSITE = -0.99
 class Clearance:
     """Lower bounds [mm] of the distance between a cutter, moved about, and an uncut blank."""
 
-    stock: Turned
+    stock: Solid
     cutter: Profile
 
     def at(self, tips: NDArray, axes: NDArray) -> NDArray:
@@ -69,11 +70,13 @@ class Clearance:
     @cached_property
     def sphere(self) -> tuple[NDArray, float]:
         """Centre, and how far [mm] from it along its own axis a tip must stand for the tool to be clear."""
-        polygon = self.stock.polygon
-        middle = 0.5 * float(polygon[:, 1].min() + polygon[:, 1].max())
-        blank = float(np.hypot(polygon[:, 0], polygon[:, 1] - middle).max())
+        lower, upper = self.stock.box
+        centre, blank = 0.5 * (lower + upper), 0.5 * float(np.linalg.norm(upper - lower))
+        if isinstance(self.stock, Turned):
+            polygon = self.stock.polygon
+            blank = float(np.hypot(polygon[:, 0], polygon[:, 1] - centre[2]).max())
         below = max(0.0, -float(self._discs[0][0]))
-        return np.array([0.0, 0.0, middle]), blank + below + float(self._discs[1].max()) + 2.0 * _LOOK_MM + CLEAR_MM
+        return centre, blank + below + float(self._discs[1].max()) + 2.0 * _LOOK_MM + CLEAR_MM
 
     @cached_property
     def _discs(self) -> tuple[NDArray, NDArray]:

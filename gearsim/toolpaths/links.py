@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gearsim.cutters.profile import Profile
-from gearsim.geometry.turned import Turned
+from gearsim.geometry.solid import Solid
 from gearsim.programs.cldata import RAPID, CLPath, CLProgram
 from gearsim.toolpaths.clearance import CLEAR_MM, Clearance
 
@@ -25,7 +25,7 @@ _TURN_RAD = radians(10.0)
 Pose = tuple[NDArray, NDArray]
 
 
-def clear_rapids(program: CLProgram, cutter: Profile, stock: Turned, retract: float) -> CLProgram:
+def clear_rapids(program: CLProgram, cutter: Profile, stock: Solid, retract: float) -> CLProgram:
     """The program with every rapid led clear of a blank; those that are clear stay as they are.
 
     A rapid that goes another way first withdraws ``retract`` [mm] along the tool's axis from where the tool is clear.

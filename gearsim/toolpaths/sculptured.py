@@ -83,7 +83,7 @@ def contact_path(
     ``points`` a pass to begin with; ``margin``: the share of the domain left free at every edge; ``tolerance`` [mm]:
     see the module. Raises InputError for a cutter that is not convex or a stepover that is not positive.
     """
-    count = _line_count(surface, stepover, along, margin)
+    count = line_count(surface, stepover, along, margin)
     check_points(count * points)
     across = np.linspace(margin, 1.0 - margin, count)
 
@@ -132,7 +132,7 @@ def refined(
     raise AssertionError
 
 
-def _line_count(surface: NurbsSurface, stepover: float, along: str, margin: float) -> int:
+def line_count(surface: NurbsSurface, stepover: float, along: str, margin: float) -> int:
     """How many passes keep neighbours within the stepover [mm]: by the longest step between even places across."""
     if not stepover > 0.0:
         raise InputError(f"stepover must be above 0 mm, got {stepover:g}")
