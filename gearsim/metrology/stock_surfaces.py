@@ -68,7 +68,8 @@ def beside_solid(intended: NamedFaces, stock: Stock) -> tuple[list[SurfaceFigure
     that is missing or too much. Each counts for the face that is nearest.
     """
     ends = all_ends(stock)
-    middle, doubts = np.zeros((0, 3)), []
+    middle: NDArray = np.zeros((0, 3))
+    doubts: list[str] = []
     if isinstance(intended, MachinedSolid | FacedPart):
         middle, unseen = difference(intended, stock)
         doubts += _unseen(intended, unseen)

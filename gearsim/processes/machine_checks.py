@@ -23,7 +23,7 @@ from gearsim.motion.sources import CLMotion, MotionSource, MovedMotion
 from gearsim.processes.flank_program import CLAMPED
 from gearsim.programs.blocks import Blocks
 from gearsim.programs.gcode import read_program
-from gearsim.scene import CylindricalGearScene, FlankMillingScene, ProgramScene, Scene, SolidScene
+from gearsim.scene import CylindricalGearScene, FlankMillingScene, ProgramScene, Scene, SequenceScene
 from gearsim.scene.catalogue import RunMachineTable
 from gearsim.simulation.operation import Operation
 
@@ -45,7 +45,7 @@ def with_machine(job: Job, scene: Scene) -> Job:
 
     Raises InputError where the machine cannot run it.
     """
-    if not isinstance(scene, FlankMillingScene | ProgramScene | CylindricalGearScene | SolidScene):
+    if not isinstance(scene, FlankMillingScene | ProgramScene | CylindricalGearScene | SequenceScene):
         return job
     table = _machine(scene)
     frame = CLAMPED if isinstance(scene, FlankMillingScene) else _frame(job)
@@ -58,7 +58,7 @@ def with_machine(job: Job, scene: Scene) -> Job:
     return replace(job, inspections=(*job.inspections, touched, _axes(job, table, frame)))
 
 
-def _machine(scene: FlankMillingScene | ProgramScene | CylindricalGearScene | SolidScene) -> RunMachineTable | None:
+def _machine(scene: FlankMillingScene | ProgramScene | CylindricalGearScene | SequenceScene) -> RunMachineTable | None:
     if isinstance(scene, FlankMillingScene):
         return None if scene.program is None else scene.program.machine
     found: RunMachineTable | None = scene.machine

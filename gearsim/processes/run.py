@@ -40,6 +40,7 @@ _PLANNERS = {
     "GougeExampleScene": "worked_examples",
     "ProgramScene": "any_program",
     "SolidScene": "solid_part",
+    "FacedScene": "faced_part",
 }
 _SMALLER = "lower metrology.rows and columns or raise simulation.dexel_pitch_mm"
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import replace
 from pathlib import Path
 
@@ -14,7 +14,7 @@ from gearsim.metrology.stock_check import StockInspection
 from gearsim.motion.sources import CLMotion
 from gearsim.processes.settings import settings
 from gearsim.scene import scene_table
-from gearsim.scene.solid_part import DrillTable, SolidScene
+from gearsim.scene.solid_part import DrillTable, MillTable, SolidScene
 from gearsim.simulation.operation import Operation, Variant, operation
 from gearsim.simulation.sequence import whole_box
 from gearsim.surfaces.part import Part
@@ -30,7 +30,7 @@ def plan(scene: SolidScene, folder: Path) -> Job:
     blank = scene.blank()
     table = scene.stock
     top = float(blank.box[1][2])
-    whole = Variant(PROGRAM, "all operations in sequence", tuple(_operations(scene, top)))
+    whole = Variant(PROGRAM, "all operations in sequence", tuple(in_order(_operations(scene, top))))
     intended = scene.part()
     box = whole_box(blank, table.pitch_mm, others=[intended.body])
     asked = StockInspection(PROGRAM, blank, box, rapid_mm_min=table.rapid_mm_min, intended=intended)
@@ -46,23 +46,34 @@ def plan(scene: SolidScene, folder: Path) -> Job:
 
 
 def _operations(scene: SolidScene, top: float) -> Iterator[Operation]:
-    cutters, holders, step = scene.cutters(), scene.holders(), 0
+    cutters, holders = scene.cutters(), scene.holders()
     for table in scene.operations:
-        if isinstance(table, DrillTable):
-            if table.peck_mm is not None:
-                check_count(table.clear_mm - table.bottom_mm, table.peck_mm, what=f"{table.name}: peck_mm")
-            moves = list(drilled(table.at_mm, table.clear_mm, table.bottom_mm, table.peck_mm))
-        else:
-            moves = list(milled(table.points_mm, table.clear_mm))
-        moves = list(from_above(moves, top))
+        moves = straight_moves(table, top)
         sources = [CLMotion(m.tips, np.tile([0.0, 0.0, 1.0], (len(m.tips), 1))) for m in moves]
-        made = operation(
+        yield operation(
             table.name, cutters[table.tool], sources, scene.simulation.compile_tolerance_mm,
             rapid=[m.rapid for m in moves], holder=holders.get(table.tool),
             seconds=[_seconds(m, table.feed_mm_min) for m in moves],
         )  # fmt: skip
+
+
+def straight_moves(table: DrillTable | MillTable, top: float) -> list[Move]:
+    """Moves of drilled holes or milled lines, from and to the ``top`` [mm] of the blank. Raises InputError."""
+    if isinstance(table, DrillTable):
+        if table.peck_mm is not None:
+            check_count(table.clear_mm - table.bottom_mm, table.peck_mm, what=f"{table.name}: peck_mm")
+        moves = list(drilled(table.at_mm, table.clear_mm, table.bottom_mm, table.peck_mm))
+    else:
+        moves = list(milled(table.points_mm, table.clear_mm))
+    return list(from_above(moves, top))
+
+
+def in_order(operations: Iterable[Operation]) -> Iterator[Operation]:
+    """Operations one after the other: their steps count on."""
+    step = 0
+    for made in operations:
         yield replace(made, step=made.step + step)
-        step += len(moves)
+        step += len(made.sources)
 
 
 def _seconds(move: Move, feed: float) -> list[float]:

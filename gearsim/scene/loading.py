@@ -16,6 +16,7 @@ from gearsim.errors import InputError, is_file, is_folder, read_input
 from gearsim.scene.any_program import AXIS_TABLE, GCODE, ProgramScene
 from gearsim.scene.base import Scene
 from gearsim.scene.cylindrical import CylindricalGearScene
+from gearsim.scene.faced_part import FacedScene
 from gearsim.scene.flank_milling import FlankMillingScene
 from gearsim.scene.generated import EnvelopeScene, FaceMillingScene, HypoidScene
 from gearsim.scene.mistakes import explained, short
@@ -32,6 +33,7 @@ SCENES: dict[str, type[Scene]] = {
     "nurbs": SculpturedScene,
     "gouge-example": GougeExampleScene,
     "solid-part": SolidScene,
+    "faced-part": FacedScene,
 }
 
 _CL_READERS = ("ruled-bevel", "face-milled-flank")
@@ -40,6 +42,7 @@ _OF_ONE_MOTION = (
     "envelope",
     "gouge-example",
     "solid-part",
+    "faced-part",
 )  # surfaces that are cut by what stands in their scene alone
 
 

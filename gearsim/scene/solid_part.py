@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Annotated, Literal
+from typing import Annotated, Any, Literal
 
 import numpy as np
 from pydantic import Field, model_validator
@@ -97,21 +97,19 @@ class SolidMetrologyTable(Table):
     tolerance_um: Length
 
 
-class SolidScene(Scene):
-    """A solid part, its blank, and operations in sequence with tools by their numbers.
+class SequenceScene(Scene):
+    """A part made from a blank by operations in sequence, with tools by their numbers.
 
     A [machine] cuts nothing else: its travel, speeds and bodies are looked at.
     """
 
-    surface: SolidTable
     stock: StockTable
     tools: tuple[ProgramToolTable, ...] = Field(min_length=1)
     machine: AnyRunMachine | None = None
-    operations: tuple[AnyOperation, ...] = Field(min_length=1)
-    metrology: SolidMetrologyTable
+    operations: tuple[Any, ...]
 
     @model_validator(mode="after")
-    def _tools_are_there(self) -> SolidScene:
+    def _tools_are_there(self) -> SequenceScene:
         numbers = [tool.number for tool in self.tools]
         if len(set(numbers)) < len(numbers):
             raise ValueError(f"tools: numbers {numbers} must differ")
@@ -121,10 +119,9 @@ class SolidScene(Scene):
                 raise ValueError(f"operations.{i}.tool: got {operation.tool}; [[tools]] has {listed}")
         if self.stock.blank is None:
             raise ValueError("stock.blank: missing; it says what the part is made from")
+        if self.stock.spaces != "one":
+            raise ValueError(f"stock.spaces: got {self.stock.spaces!r}; only a bevel gear's spaces are; remove the key")
         return self
-
-    def part(self) -> MachinedSolid:
-        return self.surface.build(self.metrology.tolerance_um)
 
     def blank(self) -> Solid:
         assert self.stock.blank is not None
@@ -143,4 +140,18 @@ class SolidScene(Scene):
         return None if self.machine is None else self.machine.build()
 
     def builders(self) -> tuple[Callable[[], object], ...]:
-        return (self.part, self.blank, self.cutters, self.holders, self.controller)
+        return (self.blank, self.cutters, self.holders, self.controller)
+
+
+class SolidScene(SequenceScene):
+    """A solid part, its blank, and operations in sequence with tools by their numbers."""
+
+    surface: SolidTable
+    operations: tuple[AnyOperation, ...] = Field(min_length=1)
+    metrology: SolidMetrologyTable
+
+    def part(self) -> MachinedSolid:
+        return self.surface.build(self.metrology.tolerance_um)
+
+    def builders(self) -> tuple[Callable[[], object], ...]:
+        return (self.part, *super().builders())

@@ -15,6 +15,7 @@ _COARSE = {
     "nurbs": {"toolpath.stepover_mm": 40.0, "toolpath.points": 5, "toolpath.chord_um": 0.9},
     "gouge-example": {},
     "solid-part": {"stock.pitch_mm": 2.0},
+    "faced-part": {"stock.pitch_mm": 2.0},
     "cylindrical-gear": {
         "surface.teeth": 9, "surface.face_width_mm": 4.0, "surface.rim_mm": 8.25,
         "toolpath.facing.radius_mm": 31.0, "toolpath.bore.radius_mm": 8.0, "toolpath.root.axial_step_mm": 4.0,
