@@ -51,7 +51,10 @@ def tooth_arrays(names: list[str], teeth: int, limit_um: float, span: str) -> di
 
 
 def tooth_body(data: dict[str, NDArray], names: list[str]) -> tuple[Any, Any]:
-    """The neighbouring slots, the lands between all and the seams of the slot in the middle; the ends of the teeth."""
+    """The neighbouring slots, the lands between all and the seams of the slot in the middle; the ends of the teeth.
+
+    With the slot in the middle they enclose the teeth and a rim below them.
+    """
     slot = np.concatenate(from_tip_to_tip([_coarse(data[f"patch:{name}:point"]) for name in names]))
     between = seams(from_tip_to_tip([machined(data, name) for name in names]))
     pitch = 2.0 * np.pi / float(data["tooth:teeth"])
@@ -62,7 +65,7 @@ def tooth_body(data: dict[str, NDArray], names: list[str]) -> tuple[Any, Any]:
     whole = np.concatenate(slots)
     base = _base(whole, data["view:centre"], data["view:up"])
     walls = (np.stack([whole[k], base[k]]) for k in (0, -1))
-    faces = (np.stack([whole[:, k], base[:, k]]) for k in (0, -1))
+    faces = (*(np.stack([whole[:, k], base[:, k]]) for k in (0, -1)), base)
     return joined([quads(before), quads(after), *between, *map(quads, walls)]), joined(map(quads, faces))
 
 

@@ -1,4 +1,5 @@
-// The views of a page: their controls around plotly.js. Nothing is fetched. interactive_traces.js stands before it.
+// The views of a page: their controls around plotly.js. Nothing is fetched. interactive_traces.js and
+// interactive_caps.js stand before it.
 
 const ARRAYS = { f4: Float32Array, u2: Uint16Array, u4: Uint32Array };
 const LAMP = 1e4; // how far off the light is, in plotly's own lengths
@@ -19,10 +20,10 @@ function add(parent, tag, text, attributes) {
   return made;
 }
 
-function mesh(shape) {
+function mesh(shape, number) {
   const colours = {};
   for (const [name, array] of Object.entries(shape.colours)) colours[name] = unpacked(array);
-  return { ...shape, points: unpacked(shape.points), triangles: unpacked(shape.triangles), colours };
+  return { ...shape, number, points: unpacked(shape.points), triangles: unpacked(shape.triangles), colours };
 }
 
 // The corners of the box about all shapes, and its edges as shares of its diagonal.
@@ -56,13 +57,14 @@ const unit = (a) => a.map((x) => x / Math.sqrt(dot(a, a)));
 
 const digits = (x) => Number(x.toPrecision(3)).toString();
 
-function drawLegend(parent, legend, missing) {
+function drawLegend(parent, legend, missing, capped) {
   parent.replaceChildren();
   const swatch = (colour, text) => {
     const entry = add(parent, "span");
     add(entry, "span", "", { class: "swatch", style: `background:${colour}` });
     entry.append(text);
   };
+  if (capped) swatch(CUT, "cut face");
   if (!legend) return;
   if (legend.classes) return legend.classes.forEach(([name, colour]) => swatch(colour, name));
   const ramp = add(parent, "div", "", { class: "ramp" });
@@ -135,9 +137,10 @@ function live(root) {
 
   async function render() {
     const shown = shapes.filter((shape) => !state.hidden.has(shape));
-    const all = shown.flatMap((shape) => traces(shape, state.legend, plane(), fixed));
-    drawLegend(key, state.legend, data.missing);
-    await Plotly.react(page, all, layout(), { displayModeBar: false, responsive: true });
+    const cut = plane(), caps = cut ? capTraces(shapes, shown, cut, extent.diagonal) : [];
+    const skins = shown.flatMap((shape) => traces(shape, state.legend, cut, fixed));
+    drawLegend(key, state.legend, data.missing, caps.length);
+    await Plotly.react(page, [...skins, ...caps], layout(), { displayModeBar: false, responsive: true });
   }
 
   const group = (text) => {

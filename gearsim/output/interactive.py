@@ -1,6 +1,7 @@
 """An interactive 3D view as a part of an HTML page: it turns, zooms, switches colours; no network, no server.
 
-plotly.js draws it (MIT licence, shipped in the plotly package), told by interactive_traces.js and interactive.js.
+plotly.js draws it (MIT licence, shipped in the plotly package), told by interactive_traces.js, interactive_caps.js and
+interactive.js.
 A page holds as many views as it likes, each of ``interactive_view``, and ``viewer`` once behind them.
 """
 
@@ -18,7 +19,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from gearsim.output.colours import DARK, class_colours, shades
 from gearsim.output.shapes import Classes, Colouring, Shape, Values
-from gearsim.output.thinning import thinned
+from gearsim.output.thinning import thinned_together
 
 MOST = 150_000  # triangles in a view: about 5 MB of a page, and what a phone still turns
 _WITHOUT = "This view needs JavaScript; the still pictures of this report show the same."
@@ -42,7 +43,7 @@ def interactive_view(
         "missing": DARK, "way": _unit(way), "up": _unit(up),
     }  # fmt: skip
     data = json.dumps(scene).replace("<", "\\u003c")  # no text ends the element
-    said = "".join(f"<p>{escape(note)}</p>" for note in (*notes, told))
+    said = "".join(f"<p>{escape(note)}</p>" for note in (*notes, told, _sections(shown)))
     return (
         f'<section class="gearsim-view"><h2>{escape(title)}</h2><noscript><p>{_WITHOUT}</p></noscript>'
         '<div class="controls"></div><div class="scene"></div><div class="legend"></div>'
@@ -54,7 +55,7 @@ def viewer() -> str:
     """What makes the views of a page live, once a page, behind them: plotly.js, our scripts and style. 4.8 MB."""
     from plotly.offline import get_plotlyjs
 
-    names = ("interactive.css", "interactive_traces.js", "interactive.js")
+    names = ("interactive.css", "interactive_traces.js", "interactive_caps.js", "interactive.js")
     style, *scripts = (Path(__file__).with_name(name).read_text(encoding="utf-8") for name in names)
     own = '(() => {\n"use strict";\n' + "\n".join(scripts) + "})();"
     return f"<style>{style}</style><script>{get_plotlyjs()}</script><script>{own}</script>\n"
@@ -65,10 +66,14 @@ def _thinned(shapes: Sequence[Shape], most: int) -> tuple[list[Shape], str]:
     total = sum(len(s.triangles) for s in shapes)
     if total <= most:
         return list(shapes), f"{total:,} triangles, coordinates rounded to single precision: to be looked at; {_DATA}."
-    share = _share([len(s.triangles) for s in shapes], most)
-    done = [thinned(s, share) for s in shapes]
-    left, cell = sum(len(s.triangles) for s, _ in done), max(c for _, c in done)
-    return [s for s, _ in done], (
+    groups: dict[str, list[Shape]] = {}
+    for k, s in enumerate(shapes):
+        groups.setdefault(s.body or str(k), []).append(s)
+    share = _share([sum(len(s.triangles) for s in group) for group in groups.values()], most)
+    done = [thinned_together(group, share) for group in groups.values()]
+    shown, cell = [s for group, _ in done for s in group], max(c for _, c in done)
+    left = sum(len(s.triangles) for s in shown)
+    return shown, (
         f"Thinned for display from {total:,} to {left:,} triangles: points within cells of {cell:.2g} mm are one, with "
         f"the value farthest from 0 among theirs; {_DATA}."
     )
@@ -82,6 +87,14 @@ def _share(sizes: list[int], most: int) -> int:
             return share
         most -= size
     return max(sizes)
+
+
+def _sections(shapes: Sequence[Shape]) -> str:
+    """What a section plane shows of the shapes."""
+    bodies = list(dict.fromkeys(s.body for s in shapes if s.body))
+    if not bodies:
+        return "A section looks into these surfaces: they enclose no material."
+    return f"A section fills the cut face of {' and of '.join(bodies)}; other surfaces are cut open."
 
 
 _DATA = "to be measured are the files beside it"
@@ -117,7 +130,7 @@ def _shape(shape: Shape) -> dict[str, Any]:
     }
     number = "u2" if len(shape.points) < 1 << 16 else "u4"
     return {
-        "name": shape.name, "plain": shape.plain, "smooth": shape.smooth, "shown": shape.shown,
+        "name": shape.name, "plain": shape.plain, "smooth": shape.smooth, "shown": shape.shown, "body": shape.body,
         "points": _packed(shape.points, "f4"), "triangles": _packed(shape.triangles, number), "colours": colours,
     }  # fmt: skip
 

@@ -94,13 +94,14 @@ function faceted(mesh) {
 }
 
 // plotly.js draws a missing value as 0, and blurs the colours where values run past the scale's ends: each of a mesh's
-// parts is a trace of its own.
+// parts is a trace of its own. Those of one uid follow each other as one thing of plotly.js's, which keeps a scale that
+// it once had: a uid, part of a CSS selector, has one way of colouring.
 function traces(shape, legend, plane, { missing, light }) {
   const found = (legend && shape.colours[legend.name]) || null;
   const [values, classes] = [legend && legend.scale ? found : null, legend && legend.classes ? found : null];
   const whole = { points: shape.points, triangles: shape.triangles, values, classes };
   const left = plane ? below(whole, (i) => plane.side * (whole.points[3 * i + plane.axis] - plane.at)) : whole;
-  return parts(left, legend, { plain: shape.plain, missing }).map(([part, how, text]) => {
+  return parts(left, legend, { plain: shape.plain, missing }).map(([part, how, text], number) => {
     const mesh = shape.smooth ? part : faceted(part);
     const corners = {};
     AXES.forEach((axis, k) => (corners[axis] = every(mesh.points, k, 3)));
@@ -108,6 +109,7 @@ function traces(shape, legend, plane, { missing, light }) {
     return {
       type: "mesh3d", ...corners, ...how, lighting: LIGHT, lightposition: light, showscale: false,
       name: shape.name, customdata: mesh.values,
+      uid: ["shape", shape.number, legend && legend.name, how.color || "scale", number].join(" ").replace(/\W/g, "_"),
       ...(how.colorscale && { intensity: mesh.values }),
       hovertemplate: `${shape.name}<br>${text}%{x:.3f}, %{y:.3f}, %{z:.3f} mm<extra></extra>`,
     };

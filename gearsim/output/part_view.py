@@ -19,6 +19,7 @@ from gearsim.output.whole_part import looked_at, whole_shapes
 
 DEVIATION = "deviation"
 _SEGMENT = "segment"  # of the program
+_TEETH = "the teeth"
 _SIGN = "Deviation along the outward normal of the intended surface: positive is material left, negative is overcut."
 
 
@@ -34,7 +35,9 @@ def part_view(data: dict[str, NDArray], surfaces: dict[str, Any]) -> str:
     um = np.concatenate([values_of(mesh, "deviation_um") for mesh in surfaces.values()])
     limit, span = colour_limit(data, um)
     lift = LIFT if "section:edges" in data else 0.0
-    shapes = [*patch_shapes(surfaces, limit, lift), *_body(data)]
+    closing = _TEETH if "tooth:names" in data else ""  # they are the skin of the slot between
+    patches = [replace(shape, body=closing) for shape in patch_shapes(surfaces, limit, lift)]
+    shapes = [*patches, *_body(data)]
     if any(key.startswith("gouge:") for key in data):  # one surface, under one tool after the other
         shapes = [replace(shape, shown=shape is shapes[0]) for shape in shapes]
     if whole:  # the patches lie in it, and are shown when they are asked for
@@ -75,13 +78,15 @@ def patch_shapes(surfaces: dict[str, Any], limit_um: float, lift: float = 0.0) -
 def _body(data: dict[str, NDArray]) -> list[Shape]:
     """What stands around the measured surfaces, in steel."""
     if "tooth:names" in data:
-        body, ends = tooth_body(data, [str(name) for name in data["tooth:names"]])
-        parts = {"neighbouring teeth": with_normals(body, True), "ends": ends}
+        around, ends = tooth_body(data, [str(name) for name in data["tooth:names"]])
+        parts = {"neighbouring teeth": with_normals(around, True), "ends": ends}
+        body = _TEETH
     elif "section:edges" in data:
         parts = dict(zip(("gear", "faces"), gear_body(data, "section"), strict=True))
+        body = "the gear"
     else:
         return []
-    return [Shape(name, points_of(mesh), triangles_of(mesh)) for name, mesh in parts.items()]
+    return [Shape(name, points_of(mesh), triangles_of(mesh), body=body) for name, mesh in parts.items()]
 
 
 def _first_look(data: dict[str, NDArray], surfaces: dict[str, Any]) -> tuple[ArrayLike, ArrayLike]:

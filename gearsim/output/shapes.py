@@ -49,7 +49,8 @@ class Shape:
 
     ``colours`` by their names; under a colouring that it lacks a shape is ``plain``. ``smooth``: shaded as one curved
     surface wherever triangles share points, so that points at sharp edges have to be there twice; else facet by facet.
-    ``shown``: from the start, and not only when it is asked for.
+    ``shown``: from the start, and not only when it is asked for. ``body``: the closed body whose skin it is, with all
+    shapes of that name, which share the points in which they meet; sections of it are filled. Empty: an open surface.
     Raises ValueError where the arrays do not fit one another.
     """
 
@@ -60,6 +61,7 @@ class Shape:
     plain: str = STEEL
     smooth: bool = True
     shown: bool = True
+    body: str = ""
 
     def __post_init__(self) -> None:
         if self.points.ndim != 2 or self.points.shape[1] != 3 or not np.isfinite(self.points).all():

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -18,17 +19,28 @@ def thinned(shape: Shape, most: int) -> tuple[Shape, float]:
     No point moves by more than the cell's diagonal. Where points become one, the value farthest from 0 stays, and a
     missing one before all: what is out of tolerance or was not measured cannot vanish.
     """
-    if len(shape.triangles) <= most:
-        return shape, 0.0
-    corners = shape.points[shape.triangles].astype(np.float64)
+    (one,), cell = thinned_together([shape], most)
+    return one, cell
+
+
+def thinned_together(shapes: Sequence[Shape], most: int) -> tuple[list[Shape], float]:
+    """Shapes that have at most so many triangles together, thinned alike: points in which they met stay common."""
+    if sum(len(shape.triangles) for shape in shapes) <= most:
+        return list(shapes), 0.0
+    points = np.concatenate([shape.points for shape in shapes])
+    ends = np.cumsum([len(shape.points) for shape in shapes])[:-1]
+    corners = np.concatenate([shape.points[shape.triangles].astype(np.float64) for shape in shapes])
     sides = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     cell = max(float(np.sqrt(np.linalg.norm(sides, axis=1).sum() / max(most, 1))), 1e-9)
     while True:
-        cell_of = _cells(shape.points, cell)
-        kept = cell_of[shape.triangles]
-        whole = (kept != np.roll(kept, 1, axis=1)).all(axis=1)
-        if int(whole.sum()) <= most:
-            return _merged(shape, cell_of, whole), cell
+        cell_of = _cells(points, cell)
+        parts = np.split(cell_of, ends)
+        kept = [part[shape.triangles] for part, shape in zip(parts, shapes, strict=True)]
+        whole = [(k != np.roll(k, 1, axis=1)).all(axis=1) for k in kept]
+        if sum(int(w.sum()) for w in whole) <= most:
+            count = np.bincount(cell_of)
+            middle = np.column_stack([np.bincount(cell_of, points[:, k]) / count for k in range(3)])
+            return [_merged(*of, middle) for of in zip(shapes, parts, whole, strict=True)], cell
         cell *= _COARSER
 
 
@@ -40,11 +52,11 @@ def _cells(points: NDArray, cell: float) -> NDArray:
     return np.asarray(np.unique(key, return_inverse=True)[1]).reshape(-1)
 
 
-def _merged(shape: Shape, cell_of: NDArray, whole: NDArray) -> Shape:
-    count = np.bincount(cell_of)
-    points = np.column_stack([np.bincount(cell_of, shape.points[:, k]) / count for k in range(3)])
-    colours = {name: _colouring(colouring, cell_of, whole) for name, colouring in shape.colours.items()}
-    return replace(shape, points=points, triangles=cell_of[shape.triangles][whole], colours=colours, smooth=False)
+def _merged(shape: Shape, cell_of: NDArray, whole: NDArray, middle: NDArray) -> Shape:
+    """A shape of the triangles that stay ``whole``, its points those in the ``middle`` of their cells."""
+    own, of = np.unique(cell_of, return_inverse=True)
+    colours = {name: _colouring(colouring, of, whole) for name, colouring in shape.colours.items()}
+    return replace(shape, points=middle[own], triangles=of[shape.triangles][whole], colours=colours, smooth=False)
 
 
 def _colouring(colouring: Colouring, cell_of: NDArray, whole: NDArray) -> Colouring:

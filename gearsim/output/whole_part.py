@@ -36,7 +36,8 @@ def _shape(data: dict[str, NDArray], name: str, chosen: NDArray) -> Shape:
     colours["operation"] = Classes(operation, (BLANK, *map(str, data["whole:names"])))
     colours["tool"] = Classes(operation, (BLANK, *map(str, data["whole:tools"])))
     colours["tool mark"] = Classes(_marks(data["whole:tag"][chosen]), (BLANK, *(f"row {k} of ten" for k in range(10))))
-    return Shape(name, data["whole:points"][used], triangles.reshape(-1, 3), colours, smooth=False)
+    points = data["whole:points"][used]
+    return Shape(name, points, triangles.reshape(-1, 3), colours, smooth=False, body="the whole part")
 
 
 def looked_at(data: dict[str, NDArray]) -> tuple[NDArray, NDArray]:

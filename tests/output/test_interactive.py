@@ -11,7 +11,7 @@ from gearsim.output.interactive import MOST, interactive_view, viewer
 from gearsim.output.meshes import quads
 from gearsim.output.part_view import part_view
 from gearsim.output.shapes import Classes, Shape, Values
-from gearsim.output.thinning import thinned
+from gearsim.output.thinning import thinned, thinned_together
 from gearsim.output.view import STEEL
 from tests.output.browser import needs_chromium, opened, share_in_hue
 
@@ -39,6 +39,23 @@ def sheet(n, value):
     return Shape("sheet", points, np.concatenate([np.stack([a, b, c], 1), np.stack([a, c, d], 1)]),
                  {"deviation": Values(value(points), -5.0, 5.0, "µm"),
                   "operation": Classes((np.arange(2 * len(a)) >= len(a)).astype(int), OPERATIONS)})  # fmt: skip
+
+
+def tube(hole):
+    """A square tube along x as two shapes that only together are closed; ``hole``: half its width, of 2."""
+    corner = np.array([[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]])
+    points = np.array([[x, *(half * at)] for x in (0.0, 4.0) for half in (2.0, hole) for at in corner])
+    i = np.arange(16).reshape(2, 2, 4)  # end, ring, corner
+    outer, inner, low, high = (
+        [[a[k], a[(k + 1) % 4], b[(k + 1) % 4], b[k]] for k in range(4)]
+        for a, b in ((i[0, 0], i[1, 0]), (i[0, 1], i[1, 1]), (i[0, 0], i[0, 1]), (i[1, 0], i[1, 1]))
+    )
+
+    def skin(name, faces):
+        a, b, c, d = np.array(faces).T
+        return Shape(name, points, np.concatenate([np.stack([a, b, c], 1), np.stack([a, c, d], 1)]), body="tube")
+
+    return [skin("outside", outer), skin("inside and ends", [*inner, *low, *high])]
 
 
 def scene(html):
@@ -111,6 +128,29 @@ def test_thinning_keeps_the_worst_value_and_what_is_missing():
     assert thinned(fine, len(fine.triangles)) == (fine, 0.0)
 
 
+def test_shapes_of_one_body_are_thinned_alike_and_stay_closed():
+    turn, up = np.meshgrid(
+        np.linspace(0.0, 2.0 * np.pi, 60, endpoint=False), np.linspace(0.0, np.pi, 31), indexing="ij"
+    )
+    ball = np.stack([np.sin(up) * np.cos(turn), np.sin(up) * np.sin(turn), np.cos(up)], axis=-1)
+    i = np.arange(60 * 31).reshape(60, 31)
+    a, b, c, d = (k.ravel() for k in (i[:, :-1], np.roll(i, -1, 0)[:, :-1], np.roll(i, -1, 0)[:, 1:], i[:, 1:]))
+    faces = np.concatenate([np.stack([a, b, c], 1), np.stack([a, c, d], 1)])
+    upper = (ball.reshape(-1, 3)[faces][..., 2] >= 0.0).all(axis=1)
+    halves = [Shape(str(k), ball.reshape(-1, 3), faces[k], body="ball") for k in (upper, ~upper)]
+    coarse, _ = thinned_together(halves, 700)
+    corners = np.concatenate([s.points[s.triangles] for s in coarse])
+    assert 200 < len(corners) <= 700
+    _, number = np.unique(corners.reshape(-1, 3), axis=0, return_inverse=True)
+    edges = np.sort(number.reshape(-1, 3)[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2), axis=1)
+    assert np.all(np.unique(edges, axis=0, return_counts=True)[1] % 2 == 0)
+
+
+def test_a_view_says_what_a_section_fills():
+    assert "A section fills the cut face of tube;" in interactive_view(tube(1.0), "")
+    assert "they enclose no material" in interactive_view(SHAPES, "")
+
+
 def test_a_view_says_how_far_it_was_thinned():
     fine = sheet(21, lambda points: 0.0 * points[:, 0])
     html = interactive_view([fine, *SHAPES], "", most=200)
@@ -133,22 +173,31 @@ def page(folder, html, script=""):
     return file
 
 
+CUT = re.search(r'CUT = "(#\w+)"', viewer())[1]
 SECOND_BY_OPERATION = """setTimeout(() => {
-  const [first, second] = document.querySelectorAll(".gearsim-view");
+  const [first, second, ...closed] = document.querySelectorAll(".gearsim-view");
   const press = (text) => [...second.querySelectorAll("button")].find((b) => b.textContent === text).click();
   press("operation"); press("nearer"); press("farther"); press("reset view");
   const [select, slider] = second.querySelectorAll("select, input[type=range]");
   select.value = 1; slider.value = 0.5; slider.dispatchEvent(new Event("input"));
+  for (const view of closed) {
+    const [select, slider] = view.querySelectorAll("select, input[type=range]");
+    select.value = 0; slider.value = 0.5; slider.dispatchEvent(new Event("input"));
+  }
 }, 500)"""
 
 
 @needs_chromium
-def test_chromium_shows_colours_classes_and_a_section(tmp_path):
+def test_chromium_shows_colours_classes_and_sections_filled(tmp_path):
     view = interactive_view(SHAPES, "", way=(0.0, 0.0, 1.0), up=(0.0, 1.0, 0.0))
-    whole = f"<!doctype html><html><body>{view}{view}{viewer()}</body></html>"
-    picture, said = opened(page(tmp_path, whole, SECOND_BY_OPERATION), (700, 1500))
+    full, hollow = (interactive_view(tube(hole), "", way=(1.0, 0.0, 0.0)) for hole in (0.0, 1.0))
+    whole = f"<!doctype html><html><body>{view}{view}{full}{hollow}{viewer()}</body></html>"
+    picture, said = opened(page(tmp_path, whole, SECOND_BY_OPERATION), (700, 3252))
     assert said == []
-    upper, lower = picture[:750], picture[750:]
+    upper, lower, full, hollow = np.split(picture, 4)
+    assert share_in_hue(upper, CUT) < 1e-3
+    assert share_in_hue(full, CUT) > 0.05
+    assert share_in_hue(hollow, CUT) / share_in_hue(full, CUT) == pytest.approx(0.75, abs=0.02)
     scale = shades("diverging")
     in_first = {colour: share_in_hue(upper, colour) for colour in (scale[0], scale[-1], STEEL)}
     assert all(share > 0.01 for share in in_first.values()), in_first
