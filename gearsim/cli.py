@@ -118,6 +118,12 @@ def _view(options: argparse.Namespace) -> int:
     return 0
 
 
+def _animate(options: argparse.Namespace) -> int:
+    from gearsim.processes.animate import animate
+
+    return animate(options)
+
+
 def _gouge(options: argparse.Namespace) -> int:
     from gearsim.processes.gouge import gouge
 
@@ -141,6 +147,7 @@ _RUNS = {
     "scenes": _scenes,
     "new": _new,
     "view": _view,
+    "animate": _animate,
     "gouge": _gouge,
     "verify": _verify,
     "bench": _bench,

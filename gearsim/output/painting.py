@@ -80,7 +80,7 @@ class Painters:
             if process.returncode - _DISK in _DISK_ERRORS:
                 raise OSError(process.returncode - _DISK, os.strerror(process.returncode - _DISK))
             if process.returncode:
-                missing.append(_reason(kind, [n for n in drawn if n not in captions], errors, process.returncode))
+                missing.append(reason(kind, [n for n in drawn if n not in captions], errors, process.returncode))
             told.unlink(missing_ok=True)
             (self._folder / _handed(kind)).unlink(missing_ok=True)
         return captions, missing
@@ -122,7 +122,8 @@ def _start(kind: str) -> subprocess.Popen[str]:
     return subprocess.Popen(command, stdin=pipe, stdout=subprocess.DEVNULL, stderr=pipe, text=True)
 
 
-def _reason(kind: str, names: list[str], errors: str, code: int) -> str:
+def reason(kind: str, names: list[str], errors: str, code: int) -> str:
+    """Why a drawing process ended with a ``code``, by what it said last."""
     said = (errors.strip().splitlines() or [f"the drawing process ended with code {code}"])[-1]
     what = "3D pictures" if kind == "solid" else "charts"
     listed = f" ({', '.join(names)})" if names else ""

@@ -75,6 +75,11 @@ def print_result(result: Result, written: Path, missing: list[str]) -> None:
     )
 
 
+def print_line(text: str) -> None:
+    """What a command has done, in a line."""
+    _CONSOLE.print(text, markup=False, soft_wrap=True)
+
+
 def print_estimate(name: str, estimate: dict[str, float]) -> None:
     """What a run would do."""
     _CONSOLE.print(

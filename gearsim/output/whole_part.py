@@ -45,6 +45,11 @@ def looked_at(data: dict[str, NDArray]) -> tuple[NDArray, NDArray]:
     cut = data["whole:triangles"][data["whole:operation"] >= 0]
     a, b, c = (data["whole:points"][cut[:, k]] for k in range(3))
     above = float(np.cross(b - a, c - a)[:, 2].sum()) >= 0.0 if len(cut) else True
+    return seen_from(above)
+
+
+def seen_from(above: bool) -> tuple[NDArray, NDArray]:
+    """The way to an eye above or below, and up."""
     side = np.array([1.0, 1.0, 1.0 if above else -1.0])
     return _WAY * side, np.array([0.0, 0.0, side[2]])
 

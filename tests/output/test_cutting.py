@@ -1,0 +1,54 @@
+"""``gearsim animate``: the cut as an animated picture, drawn aside."""
+
+import sys
+
+import numpy as np
+import pytest
+from PIL import Image
+
+from gearsim.cli import main
+from gearsim.output.colours import class_colours, rgb
+from tests.output.test_animation import shares
+
+ASKED = ["animate", "drill-grid", "--set", "stock.pitch_mm=2.3", "--pitch-mm", "2.3", "--frames", "7"]
+
+
+def test_the_cut_is_seen_to_go_on(tmp_path, capsys):
+    file = tmp_path / "new" / "cut.webp"
+    assert main([*ASKED, "--out", str(file)]) == 0
+    told = capsys.readouterr().out
+    assert f"{file}: " in told
+    assert " frames of 3 operations, " in told
+    blank, holes, _, slot = (np.array([s for s, _ in shares(file, rgb(c))]) for c in class_colours(4))
+    picture = Image.open(file)
+    assert f"{file}: {picture.n_frames} frames" in told
+    assert blank[0] > 0.1
+    assert holes[0] < 1e-3  # in the legend
+    assert holes[0] < holes[1] < holes[-1]
+    assert slot[-1] > 0.01 > 10.0 * slot[-4]
+    assert [f.name for f in file.parent.iterdir()] == ["cut.webp"]
+
+
+def test_what_cannot_be_is_refused(tmp_path, capsys, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+
+    def told(*arguments):
+        assert main([*ASKED, *arguments]) == 2
+        return capsys.readouterr().err
+
+    assert "an animation's name ends in .webp" in told("--out", str(tmp_path / "cut.gif"))
+    assert "the blank is only 12 mm wide" in told("--pitch-mm", "30")
+    assert "--pitch-mm 0.001 makes" in told("--pitch-mm", "0.001")
+    assert "--frames 100000000: pictures that need about" in told("--frames", "100000000")
+    assert main(["animate", "gouge-sizes"]) == 2
+    assert "cuts no part" in capsys.readouterr().err
+    monkeypatch.setattr(sys, "executable", "/bin/false")
+    out = tmp_path / "cut.webp"
+    assert "cannot draw cut.webp: 3D pictures: the drawing process ended with code 1" in told("--out", str(out))
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_pitch_is_a_number(capsys):
+    with pytest.raises(SystemExit):
+        main(["animate", "drill-grid", "--pitch-mm", "fine"])
+    assert "expected a number from 0.001 to 1000" in capsys.readouterr().err
