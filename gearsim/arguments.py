@@ -37,6 +37,7 @@ def parser(runs: Mapping[str, Callable[[argparse.Namespace], int]]) -> argparse.
     new.add_argument("--like", default="spiral-bevel-flank", help="built-in scene to copy (default: %(default)s)")
 
     _add_view(commands)
+    _add_inspect(commands)
     _add_animate(commands)
     _add_gouge(commands)
     _add_verify(commands)
@@ -99,6 +100,49 @@ def _add_view(commands: Any) -> None:
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     view.add_argument("run", type=Path, metavar="DIR", help="a run's folder, or a .vtp file")
+
+
+_INSPECT_HELP = """examples:
+  gearsim inspect runs/drill-grid
+  gearsim inspect runs/drill-grid --section z=-5 section.svg --section 'n=1,1,0;d=40' diagonal.csv
+  gearsim inspect runs/drill-grid --distance '13,8,-6 27,8,-6'
+  gearsim inspect runs/drill-grid --points ends.ply
+  gearsim inspect runs/spiral-bevel-flank --section z=23.5 section.png --step machined.step
+
+all lengths in mm, in the frame of the part; deviations in um along the outward normal, + material left.
+
+--section   where a plane cuts the part as made (part.vtp; with [stock] alone) and the intended surfaces as they were
+            measured (samples.parquet): outline and area of the material, and the deviations along each surface's line.
+            z=-5 or n=1,1,0;d=40: points p with n.p = d, n made of length 1. Files: .svg, .pdf, .png, .csv, .vtp.
+--distance  between the points of the part's surface that are nearest to two places. Both see the surface as its
+            triangles: flat faces are exact, of a radius R they miss pitch^2 / 8 R.
+--points    every end of material along the rays of stock.parquet, exact, with its normal and the operation that made
+            it; the scene is planned again for the normals. Files: .parquet, .csv, .ply.
+--step      every surface measured on a grid as it was machined, a bicubic B-spline face each, through every second
+            row and column of its samples; how far the others are off it is told, and stated in the file. Needs
+            gearsim[cad].
+
+exit codes:
+  0  done
+  2  bad input, or nothing of the kind in this folder
+"""
+
+
+def _add_inspect(commands: Any) -> None:
+    inspect = commands.add_parser(
+        "inspect",
+        help="cut sections, take distances, write points or STEP surfaces of what a run has made",
+        description="Ask a run's folder about the part as it was machined; without options: what there is.",
+        epilog=_INSPECT_HELP,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )
+    inspect.add_argument("run", type=Path, metavar="DIR", help="a run's folder")
+    inspect.add_argument("--section", nargs=2, action="append", default=[], metavar=("PLANE", "FILE"),
+                         help="write the section by a plane; repeatable")  # fmt: skip
+    inspect.add_argument("--distance", action="append", default=[], metavar="'X,Y,Z X,Y,Z'",
+                         help="measure from point to point; repeatable")  # fmt: skip
+    inspect.add_argument("--points", type=Path, metavar="FILE", help="write the ends of all rays as a point cloud")
+    inspect.add_argument("--step", type=Path, metavar="FILE", help="write the machined surfaces as STEP")
 
 
 _ANIMATE_HELP = """examples:

@@ -118,6 +118,12 @@ def _view(options: argparse.Namespace) -> int:
     return 0
 
 
+def _inspect(options: argparse.Namespace) -> int:
+    from gearsim.processes.inspect import inspect
+
+    return inspect(options)
+
+
 def _animate(options: argparse.Namespace) -> int:
     from gearsim.processes.animate import animate
 
@@ -147,6 +153,7 @@ _RUNS = {
     "scenes": _scenes,
     "new": _new,
     "view": _view,
+    "inspect": _inspect,
     "animate": _animate,
     "gouge": _gouge,
     "verify": _verify,

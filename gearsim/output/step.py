@@ -16,9 +16,10 @@ from gearsim.surfaces.nurbs import NurbsSurface
 _EDGE_MM = 1e-6
 
 
-def write_step(surfaces: Sequence[NurbsSurface], file: Path) -> None:
+def write_step(surfaces: Sequence[NurbsSurface], file: Path, notes: Sequence[str] = ()) -> None:
     """Write surfaces as the faces of one STEP file, in mm, their control nets as they are, to 1e-11 mm.
 
+    ``notes`` are the description in the file's header, a text each.
     Raises InputError where Open CASCADE is missing, a surface is no face to it, or the file cannot be written.
     """
     if find_spec("OCP") is None:
@@ -38,9 +39,23 @@ def write_step(surfaces: Sequence[NurbsSurface], file: Path) -> None:
     writer = STEPControl_Writer()
     Interface_Static.SetCVal_s("write.step.unit", "MM")
     writer.Transfer(whole, STEPControl_StepModelType.STEPControl_AsIs)
+    _describe(writer, notes)
     with written(file, "STEP file") as scratch:
         if writer.Write(str(scratch)) != IFSelect_ReturnStatus.IFSelect_RetDone:
             raise OSError("Open CASCADE cannot write it; is the disk full?")
+
+
+def _describe(writer: Any, notes: Sequence[str]) -> None:
+    from OCP.APIHeaderSection import APIHeaderSection_MakeHeader
+    from OCP.collections import HArray1_TCollection_HAsciiString
+    from OCP.TCollection import TCollection_HAsciiString
+
+    if not notes:
+        return
+    texts = HArray1_TCollection_HAsciiString(1, len(notes))
+    for k, note in enumerate(notes, 1):
+        texts.SetValue(k, TCollection_HAsciiString(note.encode("ascii", "replace").decode()))
+    APIHeaderSection_MakeHeader(writer.Model()).SetDescription(texts)
 
 
 def _face(surface: NurbsSurface) -> Any:

@@ -55,6 +55,24 @@ def fit_grid(points: NDArray, name: str = "surface", flip: bool = False) -> Fitt
     return Fitted(surface, float(off.max()), float(np.sqrt(np.mean(off**2))))
 
 
+def whole_block(points: NDArray) -> tuple[slice, slice]:
+    """The rows and columns that are left of a grid, shape (m, n, 3), once border lines with missing points are gone.
+
+    The border line that lacks the most goes first. Points that are missing in the middle stay.
+    """
+    known = np.isfinite(points).all(axis=2)
+    (top, left), (bottom, right) = (0, 0), known.shape
+    while bottom > top and right > left:
+        block = ~known[top:bottom, left:right]
+        lacking = [float(line.mean()) for line in (block[0], block[-1], block[:, 0], block[:, -1])]
+        worst = int(np.argmax(lacking))
+        if lacking[worst] == 0.0:
+            break
+        top, bottom = top + (worst == 0), bottom - (worst == 1)
+        left, right = left + (worst == 2), right - (worst == 3)
+    return slice(top, bottom), slice(left, right)
+
+
 def _parameters(grid: NDArray, axis: int, name: str) -> NDArray:
     """Shares of the mean length of the lines along an axis."""
     steps = np.linalg.norm(np.diff(grid, axis=axis), axis=2).mean(axis=1 - axis)
