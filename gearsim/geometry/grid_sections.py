@@ -5,6 +5,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+_ROUNDING = 1e-9  # of a spacing: places on lines of the grid come back that near to them
+
 
 def cut_grid(grid: NDArray, point: NDArray, normal: NDArray, values: NDArray) -> list[tuple[NDArray, NDArray]]:
     """Curves in which a plane cuts a surface through a ``grid`` of points [mm], shape (m, n, 3).
@@ -17,8 +19,10 @@ def cut_grid(grid: NDArray, point: NDArray, normal: NDArray, values: NDArray) ->
 
     height = np.ma.masked_invalid((grid - point) @ normal)
     out = []
-    for line in contour_generator(z=height).lines(0.0):
-        column, row = np.asarray(line).T
+    for found in contour_generator(z=height).lines(0.0):
+        line = np.asarray(found, dtype=float)
+        whole = np.round(line)
+        column, row = np.where(np.abs(line - whole) < _ROUNDING, whole, line).T
         out.append((_between(grid, row, column), _between(values[..., None], row, column)[:, 0]))
     return out
 

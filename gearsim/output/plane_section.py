@@ -83,21 +83,24 @@ def read_plane(text: str) -> Plane:
 
 
 def cut_part(plane: Plane, part: SolidSurface | None, grids: Sequence[MeasuredGrid]) -> Cut:
-    """The section of a part's surface, where it is known, and of its intended surfaces.
+    """The section of a part's surface, where it is known, else of the measured surfaces as machined; and as intended.
 
     Raises InputError where the plane meets none of them.
     """
-    curves = [
-        Curve("intended", grid.name, points, deviation, False)
-        for grid in grids
-        for points, deviation in cut_grid(grid.point, plane.point, plane.normal, grid.deviation)
-    ]
+    curves = [curve for grid in grids for curve in _lines(plane, grid, part is None)]
     found = None if part is None else section(part.mesh, plane.point, plane.normal)
     if found is not None:
         curves = [*_machined(found), *curves]
     if not curves:
         raise InputError(f"--section {plane.text}: the plane meets nothing of the part")
     return Cut(plane, None if found is None else found.area, tuple(curves))
+
+
+def _lines(plane: Plane, grid: MeasuredGrid, machined: bool) -> Iterator[Curve]:
+    for points, deviation in cut_grid(grid.point, plane.point, plane.normal, grid.deviation):
+        yield Curve("intended", grid.name, points, deviation, False)
+    for points, deviation in cut_grid(grid.machined, plane.point, plane.normal, grid.deviation) if machined else ():
+        yield Curve("machined", grid.name, points, np.full(len(deviation), np.nan), False)
 
 
 def _machined(found: Section) -> Iterator[Curve]:

@@ -75,7 +75,7 @@ def _figure(cut: Cut) -> Any:
     u, v, names = cut.plane.frame
     points = np.concatenate([c.points for c in cut.curves])
     wide, high = (max(float(np.ptp(points @ way)), 1e-9) for way in (u, v))
-    entries = 1 + len({c.name for c in cut.curves if c.kind == "intended"})
+    entries = 1 + len({c.name for c in cut.curves})
     height = float(np.clip(_INCHES * high / wide, 1.0, 1.5 * _INCHES)) + _HEAD + _LINE * entries
     figure = Figure(figsize=(_INCHES, height), layout="constrained")
     axis = figure.add_subplot(aspect="equal")
@@ -97,13 +97,16 @@ def _draw(axis: Any, cut: Cut, u: NDArray, v: NDArray) -> None:
     if loops:
         outline = Outline.make_compound_path(*(Outline(np.concatenate([p, p[:1]]), closed=True) for p in loops))
         axis.add_patch(PathPatch(outline, fc=_MATERIAL, ec=_OUTLINE, lw=0.8, label=f"as cut, {cut.area:.6g} mm²"))
-    names = list(dict.fromkeys(c.name for c in cut.curves if not c.closed))
+    names = list(dict.fromkeys(c.name for c in cut.curves if c.kind == "intended"))
     colours, told = class_colours(len(names)), set()
-    for c in cut.curves:
-        if not c.closed:
-            label = None if c.name in told else f"{c.name}, intended: {deviations(cut, c.name).replace('um', 'µm')}"
-            axis.plot(c.points @ u, c.points @ v, color=colours[names.index(c.name)], lw=1.2, label=label, zorder=3)
-            told.add(c.name)
+    for c in (c for c in cut.curves if not c.closed):
+        called, colour, width = "as machined", _OUTLINE, 2.4
+        if c.kind == "intended":
+            called = f"{c.name}, intended: {deviations(cut, c.name).replace('um', 'µm')}"
+            colour, width = colours[names.index(c.name)], 1.2
+        label = None if called in told else called
+        axis.plot(c.points @ u, c.points @ v, color=colour, lw=width, label=label, zorder=5.0 - width)
+        told.add(called)
 
 
 def _write_png(cut: Cut, file: Path) -> None:

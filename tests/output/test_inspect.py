@@ -85,7 +85,13 @@ def test_a_section_shows_the_intended_line_and_what_was_measured_along_it(tooth,
     asked(tooth, "--section", "z=10", tmp_path / "cut.csv", "--section", "n=0,0,2;d=10", tmp_path / "cut.png")
     first, second = capsys.readouterr().out.splitlines()
     assert first.split(": ", 2)[2] == second.split(": ", 2)[2]  # one plane
-    rows = list(csv.DictReader((tmp_path / "cut.csv").open()))
+    every = list(csv.DictReader((tmp_path / "cut.csv").open()))
+    rows, machined = ([r for r in every if r["kind"] == kind] for kind in ("intended", "machined"))
+    assert {(r["name"], r["closed"], r["deviation_um"]) for r in machined} == {("left", "0", "")}
+    off = off_flank(np.array([[float(r[f"{k}_mm"]) for k in "xyz"] for r in machined]))
+    assert 1e3 * np.abs(off).max() == pytest.approx(
+        3.25, rel=0.02
+    )  # in the transverse plane: over the cosine of the helix angle
     points = np.array([[float(r[f"{k}_mm"]) for k in "xyz"] for r in rows])
     um = np.array([float(r["deviation_um"]) for r in rows])
     assert {(r["kind"], r["name"], r["closed"]) for r in rows} == {("intended", "left", "0")}
@@ -107,6 +113,20 @@ def test_planes_between_grid_lines_cut_as_straight_as_the_grid_is():
     assert cut_grid(grid, np.array([0.0, 0.0, 20.0]), normal, x) == []
     (whole, _), *_ = cut_grid(grid, np.array([0.0, 0.0, 3.0]), normal, x)  # through points of the grid
     assert np.allclose(whole[:, 0] + 2.0 * whole[:, 1], 3.0, atol=1e-14)
+
+
+def test_a_cut_through_many_cells_stays_in_the_plane():
+    x, y = np.meshgrid(np.linspace(0.0, 3.0, 21), np.linspace(0.0, 27.0, 257), indexing="ij")
+    grid = np.stack([x, y, np.sin(0.2 * y) + 0.3 * x], axis=-1)
+    normal = np.array([0.2, 0.1, 0.97]) / np.linalg.norm([0.2, 0.1, 0.97])
+    count = 0
+    for height in np.linspace(-0.5, 3.0, 40):  # whole numbers of rows and columns come back off by a digit
+        at = np.array([0.0, 0.0, height])
+        for points, value in cut_grid(grid, at, normal, x):
+            assert np.abs((points - at) @ normal).max() < 1e-8
+            assert np.abs(value - points[:, 0]).max() < 1e-8
+            count += len(points)
+    assert count > 2000
 
 
 def test_distances_are_from_face_to_face(plate, capsys):
