@@ -40,7 +40,7 @@ def draw_sheet(
     figure = pyplot().figure(figsize=(_WIDTH, _HEIGHT))
     figure.text(0.35 / _WIDTH, 1.0 - 0.42 / _HEIGHT, title, fontsize=15, weight="bold")
     for i, line in enumerate(lines):
-        figure.text(0.35 / _WIDTH, 1.0 - (0.68 + 0.2 * i) / _HEIGHT, line, fontsize=8.5, color=LINE)
+        figure.text(0.35 / _WIDTH, 1.0 - (0.64 + 0.17 * i) / _HEIGHT, line, fontsize=8.5, color=LINE)
     per_um = whisker_scale(flanks, tolerance_um)
     limit = max(limit_of(1e3 * f.dense.deviation.value) for f in flanks)
     for k, flank in enumerate(flanks):

@@ -19,6 +19,7 @@ from gearsim.metrology.topography import Topography
 from gearsim.output.charts import draw_grids
 from gearsim.output.columns import Column
 from gearsim.output.draw_tooth import tooth_arrays
+from gearsim.output.driving_sides import driving_sides
 from gearsim.output.files import MESHES, SAMPLES
 from gearsim.output.flank_sheet import Sheet, draw_sheet
 from gearsim.output.grid_columns import channels, sample_columns
@@ -205,6 +206,7 @@ def _lines(result: Result) -> list[str]:
     return [
         f"{date.today().isoformat()}, gearsim {result.versions['gearsim']}, simulated; verdict: {result.verdict}",
         f"under {result.job.main}: {tools}{kind}; {result.frame}",
+        *driving_sides(result.scene),
     ]
 
 

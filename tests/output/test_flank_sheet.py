@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from gearsim.metrology.grid import COARSE, DENSE
+from gearsim.output.driving_sides import driving_sides
 from gearsim.output.flank_sheet import (
     Sheet,
     aliasing_um,
@@ -87,3 +88,28 @@ def test_the_page_is_drawn_at_any_size(sheet, tmp_path):
 @pytest.mark.parametrize(("um", "text"), [(0.123, "0.12"), (-12.34, "−12.3"), (123.4, "123"), (-0.0, "−0.00")])
 def test_numbers_keep_the_digits_that_matter(um, text):
     assert number(um) == text
+
+
+@pytest.mark.parametrize(
+    ("surface", "drive"),
+    [
+        ({"teeth": 33, "mate_teeth": 9, "spiral_angle_deg": 32.0}, "convex"),
+        ({"teeth": 9, "mate_teeth": 33, "spiral_angle_deg": 32.0}, "concave"),
+    ],
+)
+def test_the_drive_side_is_named_by_custom(surface, drive):
+    (line,) = driving_sides({"surface": surface})
+    assert f"{drive} flank = drive side" in line
+    assert "turned the other way round they change places" in line
+
+
+def test_without_a_custom_no_side_is_named():
+    alike = {"teeth": 20, "mate_teeth": 20, "spiral_angle_deg": 35.0}
+    for surface in (alike, {"teeth": 33, "mate_teeth": 9, "spiral_angle_deg": 0.0}, {"kind": "cylindrical-gear"}, {}):
+        assert driving_sides({"surface": surface}) == []
+
+
+def test_the_sheet_says_it(result):
+    from gearsim.output.grids import _lines
+
+    assert _lines(result)[-1].startswith("this wheel of 33 teeth against 9: convex flank = drive side")

@@ -24,7 +24,11 @@ _LIGHT: dict[str, Any] = {"ambient": 0.35, "diffuse": 0.65}
 
 
 def draw_gear(data: dict[str, NDArray], surfaces: dict[str, Any], canvas: Canvas) -> None:
-    """The whole gear with the tool in space 0; space 0 with its measured surfaces, seen onto each of its flanks."""
+    """The whole gear with the tool in space 0; space 0 with its measured surfaces, seen onto each of its flanks.
+
+    One section is cut, at half the facewidth: rays in each plane more would cost a run as much again. What differs
+    along the face helix.png and the flanks' colours tell.
+    """
     whole, *spaces = canvas.views(3, size=(1650, 640))
     skin, ends = gear_body(data, "section")
     tool = tool_skin(data["gear:profile"], data["gear:tip"], data["gear:axis"])
@@ -33,7 +37,8 @@ def draw_gear(data: dict[str, NDArray], surfaces: dict[str, Any], canvas: Canvas
     add_mesh(whole, tool, _TOOL, smooth=True, sharp=True, **_LIGHT)
     add_legend(whole, {"the gear": STEEL, "the tool": _TOOL})
     carried = "helix" if data["gear:twist"] else "axis"
-    text = f"the section as cut, carried along the {carried}, and the tool"
+    where = f"z = {float(data['section:z']):g} mm"
+    text = f"the section at {where} as cut, carried along the {carried} to both faces; the tool"
     aim(whole, np.concatenate([points_of(skin), points_of(tool)]), *gear_ways(data), text)
     um = np.concatenate([data[f"patch:{name}:deviation_um"].ravel() for name in surfaces])
     limit, span = gear_limit(data, um)
