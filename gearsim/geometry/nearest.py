@@ -35,7 +35,7 @@ def nearest_point(mesh: TriangleMesh, place: NDArray) -> tuple[NDArray, int]:
     """
     least, point, triangle = np.inf, place, -1
     for begin in range(0, len(mesh.triangles), _CHUNK):
-        near = _on_triangles(mesh.points[mesh.triangles[begin : begin + _CHUNK]] - place)
+        near = on_triangles(mesh.points[mesh.triangles[begin : begin + _CHUNK]] - place)
         away = np.einsum("ij,ij->i", near, near)
         best = int(np.argmin(away))
         if away[best] < least:
@@ -45,7 +45,7 @@ def nearest_point(mesh: TriangleMesh, place: NDArray) -> tuple[NDArray, int]:
     return point, triangle
 
 
-def _on_triangles(corners: NDArray) -> NDArray:
+def on_triangles(corners: NDArray) -> NDArray:
     """The points of triangles, shape (m, 3, 3), that are nearest to the origin."""
     after = np.roll(corners, -1, axis=1)
     way = after - corners

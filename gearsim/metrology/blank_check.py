@@ -27,6 +27,9 @@ def outside(grid: SampleGrid, tolerance: Tolerance | None, blank: Solid, copies:
     x, y, z = points.T
     turned = [np.cos(angle) * x - np.sin(angle) * y, np.sin(angle) * x + np.cos(angle) * y, z + 0.0 * angle]
     points = np.stack(turned, axis=-1).reshape(-1, 3)
+    points = points[~solid.contains(points)]
+    if not len(points):
+        return
     off = solid.signed_distance(points)
     worst = int(np.argmax(off))
     if off[worst] > 0.0 and not tolerance.allows(-1e3 * float(off[worst])):

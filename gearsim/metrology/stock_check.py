@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -28,6 +28,7 @@ from gearsim.simulation.dexels import DexelBox
 from gearsim.simulation.operation import Operation, turned_copies
 from gearsim.simulation.sequence import Machined, Machining, in_sequence
 from gearsim.simulation.stock import Stock
+from gearsim.simulation.turning import Turning
 from gearsim.simulation.work import Work
 from gearsim.surfaces.part import NamedFaces, Part, Tolerance
 
@@ -61,13 +62,22 @@ class OperationFigures:
         return ~self.operation.rapid & (self.volume == 0.0)
 
 
+class TurnedFigures(NamedTuple):
+    """Turning before all operations: what it ``removed`` [mm³] by each bundle, and its ``seconds``, if known."""
+
+    name: str
+    removed: tuple[float, float, float]
+    seconds: float | None
+
+
 @dataclass(frozen=True)
 class StockMeasurement:
     """A whole blank machined: its volumes [mm³] by bundle before, the stock and its surface after, what was found.
 
     ``deviation`` [mm] at each of the contour's vertices, by the ends of material around it, from what is intended near
     them; nan where nothing is. ``tolerances``: what of an intended solid the ends are held against, by name.
-    ``sectors``: of how many alike ones the blank is one; 1: it is whole. ``intended_volume`` [mm³], where it is known.
+    ``sectors``: of how many alike ones the blank is one; 1: it is whole. ``exact_blank_volume`` [mm³]: nan where
+    another run has left the blank. ``intended_volume`` [mm³], where it is known.
     """
 
     variant: str
@@ -81,6 +91,7 @@ class StockMeasurement:
     tolerances: Mapping[str, Tolerance] = field(default_factory=dict)
     sectors: int = 1
     intended_volume: float | None = None
+    turned: TurnedFigures | None = None
     surface: str = ""
     inspection: str = "stock"
 
@@ -90,7 +101,8 @@ class StockInspection:
     """A ``blank`` cut by a variant, ``copies`` times about the part's axis, seen by the tri-dexel of a box.
 
     ``intended``: the solid that the whole stock is held against, where there is one; its faces then stand for the
-    part's surfaces. ``rapid_mm_min``: how fast the tip goes by rapid (None: not known).
+    part's surfaces. ``rapid_mm_min``: how fast the tip goes by rapid (None: not known). ``saved``: the stock that
+    another run has left, which the blank is but for what no ray sees. ``turning`` comes before all operations.
     """
 
     variant: str
@@ -100,6 +112,8 @@ class StockInspection:
     spaces: int = 1
     rapid_mm_min: float | None = None
     intended: NamedFaces | None = None
+    saved: Stock | None = None
+    turning: Turning | None = None
     name: str = "stock"
 
     def operations(self, job: Job) -> tuple[Operation, ...]:
@@ -107,17 +121,21 @@ class StockInspection:
         once = in_sequence(job.variant(self.variant))
         return tuple(turned_copies(o, self.copies) for o in once) if self.copies > 1 else once
 
+    def machining(self, job: Job) -> Machining:
+        """The same with all that it begins with."""
+        return Machining(self.blank, self.box, self.operations(job), self.saved, self.turning)
+
     def steps(self, job: Job) -> Steps[Reading]:
-        operations = self.operations(job)
-        machined: Machined = (yield [Machine(Machining(self.blank, self.box, operations))])[0]
-        left = np.array([machined.blank_volumes, *(work.left for work in machined.work)])
+        machined: Machined = (yield [Machine(self.machining(job))])[0]
+        left = np.array([machined.turned_volumes, *(work.left for work in machined.work)])
         figures = tuple(map(self._figures, machined.work, -np.diff(left, axis=0)))
         surfaces: list[SurfaceFigures] = []
         findings: list[Finding] = []
         ends = cut_ends(machined.stock)
         for intended in job.part.surfaces.values():
             grid = sample_grid(intended.patch, _ROWS, _COLUMNS, _MARGIN)
-            findings += outside(grid, intended.tolerance, self.blank, self.copies, job.part)
+            for blank in (self.blank, *([self.turning.kept] if self.turning else [])):
+                findings += outside(grid, intended.tolerance, blank, self.copies, job.part)
             if self.intended is None:
                 surfaces.append(near_surface(grid, ends, self.spaces))
                 findings += list(_judged(surfaces[-1], intended.tolerance, job))
@@ -127,11 +145,12 @@ class StockInspection:
                 findings += list(_judged(found, self.intended.tolerances[found.surface], job))
         findings += self._rapids(machined, job)
         measured = StockMeasurement(
-            self.variant, machined.stock, machined.contour, machined.blank_volumes, self.blank.volume,
-            at_vertices(machined.contour, self._deviation(job, machined.contour)), figures, tuple(surfaces),
+            self.variant, machined.stock, machined.contour, machined.blank_volumes,
+            self.blank.volume if self.saved is None else np.nan,
+            at_vertices(machined.contour, self._deviation(job, machined)), figures, tuple(surfaces),
             {} if self.intended is None else self.intended.tolerances,
             self.copies if isinstance(self.blank, Wedge) else 1,
-            None if self.intended is None else self.intended.volume,
+            None if self.intended is None else self.intended.volume, self._turned(machined),
         )  # fmt: skip
         if self.intended is None:
             doubts = _none_near(surfaces, job)
@@ -139,19 +158,27 @@ class StockInspection:
         judged = tuple(self.intended.tolerances)
         return Reading((measured,), tuple(findings), doubts, judged, one_road(self.intended, job.part))
 
+    def _turned(self, machined: Machined) -> TurnedFigures | None:
+        if self.turning is None:
+            return None
+        x, y, z = (a - b for a, b in zip(machined.blank_volumes, machined.turned_volumes, strict=True))
+        seconds = None if self.turning.rate is None else 60.0 * (x + y + z) / 3.0 / self.turning.rate
+        return TurnedFigures(self.turning.name, (x, y, z), seconds)
+
     def _said(self) -> str:
         which = "one sector of them is" if isinstance(self.blank, Wedge) else "beside one they are"
         seen = f"at the ends of rays {self.box.pitch:g} mm apart, by one road"
         return f"all {self.copies} spaces are cut by the same program, indexed; {which} judged {seen}"
 
-    def _deviation(self, job: Job, found: Contour) -> NDArray:
+    def _deviation(self, job: Job, machined: Machined) -> NDArray:
         """Signed distances of a contour's hits from the intended solid, or of those cut from the nearest surface."""
+        found = machined.contour
         points = found.hit
         if self.intended is not None:
             distance = self.intended.signed_distance(points)
             return np.where(np.abs(distance) < NEAR_MM, distance, np.nan)
         cut, out = np.zeros(len(points), dtype=bool), np.full(len(points), np.nan)
-        cut[found.of[found.mesh.tag >= 0]] = True
+        cut[found.of[machined.stock.cut(found.mesh.tag)]] = True
         for intended in job.part.surfaces.values():
             close, distance = near(sample_grid(intended.patch, _ROWS, _COLUMNS, 0.0), points, self.spaces)
             nearer = cut[close] & ~(np.abs(out[close]) <= np.abs(distance))

@@ -114,7 +114,7 @@ def _ends(stock: Stock, axis: int, blank: bool) -> NDArray:
     """Points [mm], shape (n, 3), where a row ended material of a bundle, and those of the blank itself if asked for."""
     left, rays = stock.left[axis], stock.box.rays(axis)
     ray, tau = np.tile(left.ray, 2), np.concatenate([left.lo, left.hi])
-    made = np.concatenate([left.lo_segment, left.hi_segment]) >= 0
+    made = stock.cut(np.concatenate([left.lo_segment, left.hi_segment]))
     chosen = slice(None) if blank else made
     return rays.origin[ray[chosen]] + tau[chosen, None] * rays.direction[ray[chosen]]
 

@@ -33,7 +33,8 @@ _TOOL, _HOLDER = "#d8b26e", "#6b7480"
 
 def frames(way: Way, stages: Iterable[Stage]) -> Iterator[Frame]:
     """A frame a stage: the part, its faces by the operation that made them, and the tool where it is then."""
-    names, past = (BLANK, *(o.name for o in way.operations)), 0.0
+    turned = [way.turning.name] if way.turning else []
+    names, past = (BLANK, *turned, *(o.name for o in way.operations)), 0.0
     for stage in stages:
         mesh = stage.contour.mesh
         made = Classes(stage.stock.operation_of(mesh.tag) + 1, names)

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from rich.console import Console
 
 from gearsim.metrology.job import Job
-from gearsim.metrology.stock_check import OperationFigures, StockInspection, StockMeasurement
+from gearsim.metrology.stock_check import OperationFigures, StockInspection, StockMeasurement, TurnedFigures
 from gearsim.output.columns import YES_NO, Column
 from gearsim.output.markdown import table, um
 from gearsim.output.programs import duration
@@ -24,6 +24,8 @@ from gearsim.result import Result
 STOCK, OPERATIONS = "stock.parquet", "operations.parquet"
 SOLIDS = ("part.stl", "part.vtp", "part.3mf")
 PICTURE = "part.png"
+TURNED = "turning tool"
+EARLIER = "a tool of an earlier run"
 
 
 def files(_: Job, asked: Sequence[StockInspection]) -> list[str]:
@@ -38,7 +40,7 @@ def figures(m: StockMeasurement) -> dict[str, Any]:
         "rays": rays,
         "intervals": intervals,
         "bytes_a_ray": m.stock.nbytes / rays,
-        "blank_mm3": {"exact": m.exact_blank_volume, "bundles": list(m.blank_volumes)},
+        "blank_mm3": {"exact": number(m.exact_blank_volume), "bundles": list(m.blank_volumes)},
         "left_mm3": list(m.stock.volumes),
         "intended_mm3": m.intended_volume,
         "surface": {
@@ -47,7 +49,7 @@ def figures(m: StockMeasurement) -> dict[str, Any]:
             "volume_bound_mm3": m.contour.bound,
             "unseen_mm3": m.contour.unseen,
         },
-        "operations": [_operation(o) for o in m.operations],
+        "operations": [*([_turning(m.turned)] if m.turned else []), *map(_operation, m.operations)],
         "rapids": _rapids(m),
         "surfaces": {
             s.surface: {
@@ -59,6 +61,23 @@ def figures(m: StockMeasurement) -> dict[str, Any]:
             }
             for s in m.surfaces
         },
+    }
+
+
+def _turning(turned: TurnedFigures) -> dict[str, Any]:
+    removed = float(np.mean(turned.removed))
+    return {
+        "name": turned.name,
+        "cutter": TURNED,
+        "rows": 1,
+        "removed_mm3": list(turned.removed),
+        "feed_s": turned.seconds,
+        "rapid_s": None,
+        "rows_without_time": int(turned.seconds is None),
+        "removal_rate_mm3_min": 60.0 * removed / turned.seconds if turned.seconds else None,
+        "feed_mm": 0.0,
+        "air_mm": None,
+        "engagement_mm2": None,
     }
 
 
@@ -107,7 +126,7 @@ def _section(m: StockMeasurement) -> str:
     ]
     mesh = m.contour.mesh
     text = (
-        f"## The whole part\n\n{_of(m)} ({m.exact_blank_volume:.1f} mm³) by a tri-dexel of {told['rays']:,} rays, "
+        f"## The whole part\n\n{_of(m)} by a tri-dexel of {told['rays']:,} rays, "
         f"{told['pitch_mm']:g} mm apart: {_three(m.blank_volumes)} mm³; left are {_three(m.stock.volumes)} mm³. The "
         f"three bundles' spread tells the grid's error. Its closed surface of {len(mesh.triangles):,} triangles holds "
         f"{mesh.volume:.1f} mm³.{_intended(m)}\n\n" + table(head, rows) + _of_rapids(told["rapids"])
@@ -137,8 +156,9 @@ def _of_rapids(told: dict[str, Any]) -> str:
 def screen(_: Result, found: Sequence[StockMeasurement], console: Console) -> None:
     for m in found:
         left, blank = float(np.mean(m.stock.volumes)), float(np.mean(m.blank_volumes))
+        count = len(m.operations) + bool(m.turned)
         console.print(
-            f"Whole part: {blank - left:,.1f} of {blank:,.1f} mm3 removed in {len(m.operations)} operations "
+            f"Whole part: {blank - left:,.1f} of {blank:,.1f} mm3 removed in {count} operations "
             f"({sum(len(k.first) - 1 for k in m.stock.left):,} rays, {m.stock.box.pitch:g} mm apart)."
         )
 
@@ -164,8 +184,9 @@ def layers(result: Result, found: Sequence[StockMeasurement]) -> dict[str, NDArr
         max((um for um in (t.overcut_um, t.excess_um) if um < np.inf), default=10.0)
         for t in tolerances or m.tolerances.values()
     ]  # fmt: skip
-    names = [o.name for o in m.operations]
-    cutters = [o.operation.cutter.name for o in m.operations]
+    names = [done.name for done in m.stock.done]
+    cutters = [*([TURNED] if m.turned else []), *(o.operation.cutter.name for o in m.operations)]
+    cutters = [EARLIER] * (len(names) - len(cutters)) + cutters
     return {
         "whole:points": mesh.points,
         "whole:triangles": mesh.triangles,
@@ -202,7 +223,10 @@ def _over(a: NDArray, b: NDArray) -> NDArray:
 
 
 def _of(m: StockMeasurement) -> str:
-    return "The blank" if m.sectors == 1 else f"One of {m.sectors} alike sectors of the blank"
+    if np.isnan(m.exact_blank_volume):
+        return "What an earlier run has left"
+    which = "The blank" if m.sectors == 1 else f"One of {m.sectors} alike sectors of the blank"
+    return f"{which} ({m.exact_blank_volume:.1f} mm³)"
 
 
 def _intended(m: StockMeasurement) -> str:

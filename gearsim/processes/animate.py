@@ -48,7 +48,7 @@ def animate(options: argparse.Namespace) -> int:
     with ScreenProgress() as progress:
         progress.stage("planning", 0)
         job = plan(scene, folder)
-        way = _way(job, options)
+        way = _way(job, options, folder)
         progress.stage("cutting and drawing", len(way))
         workshop = Workshop(options.device, job.settings.tolerance_mm, job.settings.interval_slots)
 
@@ -67,12 +67,12 @@ def animate(options: argparse.Namespace) -> int:
     return 0
 
 
-def _way(job: Job, options: argparse.Namespace) -> Way:
+def _way(job: Job, options: argparse.Namespace, folder: Path) -> Way:
     """The job's operations on its blank, or where it has no [stock], on the part's own."""
     asked = next((i for i in job.inspections if isinstance(i, StockInspection)), None)
     if asked is None:
         blank = job.part.stock
-        job = with_stock(job, StockTable(pitch_mm=1.0 if blank is None else _pitch(blank)))
+        job = with_stock(job, StockTable(pitch_mm=1.0 if blank is None else _pitch(blank)), folder)
         asked = next(i for i in job.inspections if isinstance(i, StockInspection))
     pitch = options.pitch_mm or _pitch(asked.blank)
     narrowest = float(np.subtract(*asked.blank.box[::-1]).min())
@@ -80,7 +80,7 @@ def _way(job: Job, options: argparse.Namespace) -> Way:
         raise InputError(f"--pitch-mm {pitch:g}: the blank is only {narrowest:.4g} mm wide")
     box = _box(asked.box, pitch)
     operations = asked.operations(job)
-    return Way(asked.blank, box, operations, even_stops(operations, options.frames - 1))
+    return Way(asked.blank, box, operations, even_stops(operations, options.frames - 1), asked.turning)
 
 
 def _pitch(blank: Solid) -> float:

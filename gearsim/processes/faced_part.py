@@ -18,6 +18,7 @@ from gearsim.metrology.inspection import Inspection
 from gearsim.metrology.job import Job
 from gearsim.metrology.stock_check import StockInspection
 from gearsim.motion.sources import CLMotion
+from gearsim.processes.blanks import given_blank
 from gearsim.processes.settings import settings
 from gearsim.processes.solid_part import PROGRAM, in_order, straight_moves
 from gearsim.programs.cldata import RAPID, CLPath, assemble
@@ -25,7 +26,6 @@ from gearsim.scene import FacedScene, scene_table
 from gearsim.scene.faced_part import AnyOperation, LayersTable, PassesTable, unit
 from gearsim.simulation.dexels import DexelBox
 from gearsim.simulation.operation import Operation, Variant, operation
-from gearsim.simulation.sequence import whole_box
 from gearsim.surfaces.faced_solid import FacedPart
 from gearsim.surfaces.part import Intended, Part
 from gearsim.toolpaths.layers import layers
@@ -46,12 +46,22 @@ class Way(NamedTuple):
 
 def plan(scene: FacedScene, folder: Path) -> Job:
     """Load the part, a file of ``folder`` or a shipped one, and lay the operations' paths."""
-    blank, table, intended = scene.blank(), scene.stock, scene.part(folder)
+    given, intended = given_blank(scene.stock, folder), scene.part(folder)
+    blank = given.solid
     ways = [list(_ways(operation, intended, blank, scene)) for operation in scene.operations]
     made = tuple(in_order(_operation(scene, k, found) for k, found in enumerate(ways)))
     own = tuple(_own_passes(scene, made, ways))
-    box = whole_box(blank, table.pitch_mm, others=[intended.body])
-    asked = StockInspection(PROGRAM, blank, box, rapid_mm_min=table.rapid_mm_min, intended=intended)
+    turning = scene.stock.turning.build(None) if scene.stock.turning else None
+    box = given.box(scene.stock.pitch_mm, others=[intended.body])
+    asked = StockInspection(
+        PROGRAM,
+        blank,
+        box,
+        rapid_mm_min=scene.stock.rapid_mm_min,
+        intended=intended,
+        saved=given.saved,
+        turning=turning,
+    )
     faces = {face.name: face for face in intended.body.faces}
     machined = [face.name for face in scene.surface.faces]
     return Job(
@@ -59,8 +69,9 @@ def plan(scene: FacedScene, folder: Path) -> Job:
         part=Part(FRAME, None, {name: Intended(faces[name], intended.tolerances[name]) for name in machined}),
         variants=(Variant(PROGRAM, "all operations in sequence", made), *own),
         main=PROGRAM,
-        inspections=(*_along_normals(scene, own), asked, *_held(scene, box, blank)),
+        inspections=(*_along_normals(scene, own), asked, *_held(scene, box, turning.kept if turning else blank)),
         settings=settings(scene),
+        notes=given.told,
         scene=scene_table(scene),
         conventions={"grids": "rows along v of a face, columns along its u"},
     )

@@ -22,8 +22,8 @@ from gearsim.output.step import write_step
 from gearsim.processes.run import plan
 from gearsim.scene.loading import check_scene
 from gearsim.simulation.ends import material_ends
-from gearsim.simulation.normals import EndNormals
 from gearsim.simulation.removal import open_device
+from gearsim.simulation.sequence import end_normals
 from gearsim.simulation.stock_file import load_stock
 from gearsim.surfaces.fitted import Fitted, fit_grid, whole_block
 
@@ -100,8 +100,7 @@ def _write_points(run: RunFolder, file: Path) -> None:
     asked = next((i for i in job.inspections if isinstance(i, StockInspection)), None)
     if asked is None:
         raise InputError(f"{run.folder}: the scene in its report has no [stock]")
-    normals = EndNormals(asked.blank, asked.operations(job), _DEVICE, job.settings.tolerance_mm)
-    ends = material_ends(stock, normals)
+    ends = material_ends(stock, end_normals(asked.machining(job), _DEVICE, job.settings.tolerance_mm))
     write_points(ends, stock, file)
     print_line(f"{file}: {len(ends.tag):,} points with normals")
 

@@ -74,7 +74,7 @@ def plan(scene: Scene, folder: Path | None = None) -> Job:
         scene = scene.model_copy(update={"reference": None})
     job: Job = _planner(scene).plan(scene, folder)
     if scene.stock is not None and not any(isinstance(i, StockInspection) for i in job.inspections):
-        job = with_stock(job, scene.stock)
+        job = with_stock(job, scene.stock, folder)
     job = with_machine(job, scene)
     return replace(job, notes=(*job.notes, elsewhere)) if elsewhere else job
 

@@ -12,11 +12,11 @@ from gearsim.metrology.holder_check import HolderInspection
 from gearsim.metrology.job import Job
 from gearsim.metrology.stock_check import StockInspection
 from gearsim.motion.sources import CLMotion
+from gearsim.processes.blanks import given_blank
 from gearsim.processes.settings import settings
 from gearsim.scene import scene_table
 from gearsim.scene.solid_part import DrillTable, MillTable, SolidScene
 from gearsim.simulation.operation import Operation, Variant, operation
-from gearsim.simulation.sequence import whole_box
 from gearsim.surfaces.part import Part
 from gearsim.toolpaths.counts import check_count
 from gearsim.toolpaths.straight import Move, drilled, from_above, milled
@@ -27,21 +27,27 @@ PROGRAM = "program"
 
 def plan(scene: SolidScene, folder: Path) -> Job:
     """Lay the operations' paths; the tool comes by rapid from the top of the blank and goes back there."""
-    blank = scene.blank()
     table = scene.stock
-    top = float(blank.box[1][2])
-    whole = Variant(PROGRAM, "all operations in sequence", tuple(in_order(_operations(scene, top))))
+    given = given_blank(table, folder)
+    blank = given.solid
+    top = given.top
+    program = Variant(PROGRAM, "all operations in sequence", tuple(in_order(_operations(scene, top))))
     intended = scene.part()
-    box = whole_box(blank, table.pitch_mm, others=[intended.body])
-    asked = StockInspection(PROGRAM, blank, box, rapid_mm_min=table.rapid_mm_min, intended=intended)
+    turning = table.turning.build(None) if table.turning else None
+    whole = turning.kept if turning else blank
+    box = given.box(table.pitch_mm, others=[intended.body])
+    asked = StockInspection(
+        PROGRAM, blank, box, rapid_mm_min=table.rapid_mm_min, intended=intended, saved=given.saved, turning=turning
+    )
     return Job(
         name=scene.name,
         part=Part(FRAME, None, {}),
-        variants=(whole,),
+        variants=(program,),
         main=PROGRAM,
-        inspections=(asked, HolderInspection(PROGRAM, (), box, blank)) if scene.holders() else (asked,),
+        inspections=(asked, HolderInspection(PROGRAM, (), box, whole)) if scene.holders() else (asked,),
         settings=settings(scene),
         scene=scene_table(scene),
+        notes=given.told,
     )
 
 

@@ -14,6 +14,7 @@ from gearsim.machines.chain import Machine
 from gearsim.scene.any_program import ProgramToolTable
 from gearsim.scene.base import Scene
 from gearsim.scene.bevel import Number
+from gearsim.scene.blank_files import SavedTable, SolidFileTable
 from gearsim.scene.catalogue import AnyRunMachine
 from gearsim.scene.stock import AnyBlank, StockTable
 from gearsim.scene.tables import Length, Table
@@ -123,9 +124,10 @@ class SequenceScene(Scene):
             raise ValueError(f"stock.spaces: got {self.stock.spaces!r}; only a bevel gear's spaces are; remove the key")
         return self
 
-    def blank(self) -> Solid:
-        assert self.stock.blank is not None
-        return self.stock.blank.build()
+    def blank(self) -> Solid | None:
+        """The blank where a shape says it; None where a file does."""
+        blank = self.stock.blank
+        return None if blank is None or isinstance(blank, SolidFileTable | SavedTable) else blank.build()
 
     def cutters(self) -> dict[int, Profile]:
         """The cutters by their numbers."""

@@ -5,15 +5,16 @@ from __future__ import annotations
 from typing import Annotated, Literal
 
 import numpy as np
-from numpy.typing import NDArray
 from pydantic import Field, model_validator
 
 from gearsim.geometry.solid import Block, Solid
 from gearsim.geometry.turned import Turned
+from gearsim.scene.blank_files import SavedTable, SolidFileTable
+from gearsim.scene.outline import Coordinate, Outline
 from gearsim.scene.tables import Length, LengthOrZero, Table
+from gearsim.scene.turning import TurningTable
 
-_Coordinate = Annotated[float, Field(gt=-1e5, lt=1e5, allow_inf_nan=False)]
-_Corner = tuple[_Coordinate, _Coordinate, _Coordinate]
+_Corner = tuple[Coordinate, Coordinate, Coordinate]
 
 
 class BlockTable(Table):
@@ -34,8 +35,8 @@ class CylinderTable(Table):
     kind: Literal["cylinder"]
     diameter_mm: Length
     bore_mm: LengthOrZero = 0.0
-    bottom_mm: _Coordinate
-    top_mm: _Coordinate
+    bottom_mm: Coordinate
+    top_mm: Coordinate
 
     @model_validator(mode="after")
     def _has_an_inside(self) -> CylinderTable:
@@ -53,43 +54,16 @@ class TurnedTable(Table):
     """Table [stock.blank] of kind ``turned``: corners (radius, z) of its outline, once around."""
 
     kind: Literal["turned"]
-    outline_mm: tuple[tuple[LengthOrZero, _Coordinate], ...] = Field(min_length=3)
-
-    @model_validator(mode="after")
-    def _holds_an_area(self) -> TurnedTable:
-        corners = np.array(self.outline_mm)
-        after = np.roll(corners, -1, axis=0)
-        for i in np.flatnonzero((corners == after).all(axis=1)):
-            raise ValueError(f"outline_mm: corner {i + 1} of {len(corners)} is the next one too; name each once")
-        for i, j in _meeting(corners, after):
-            raise ValueError(f"outline_mm: it meets itself, after corner {i + 1} and after corner {j + 1}")
-        r, z = corners.T
-        if not abs(float(r @ np.roll(z, -1) - z @ np.roll(r, -1))) > 1e-12:
-            raise ValueError("outline_mm: its corners enclose no area")
-        return self
+    outline_mm: Outline
 
     def build(self) -> Solid:
         return Turned(np.array(self.outline_mm, dtype=float))
 
 
-def _meeting(start: NDArray, end: NDArray) -> NDArray:
-    """Pairs (n, 2) of edges of an outline that meet and do not follow each other; the axis may be met."""
-    way, n = end - start, len(start)
-
-    def side(points: NDArray) -> NDArray:
-        off = points - start[:, None]
-        return np.sign(way[:, None, 0] * off[..., 1] - way[:, None, 1] * off[..., 0])
-
-    parted = side(start) * side(end) <= 0.0
-    lower, upper = np.minimum(start, end), np.maximum(start, end)
-    near = (lower[:, None] <= upper).all(axis=-1) & (upper[:, None] >= lower).all(axis=-1)
-    apart = np.subtract.outer(np.arange(n), np.arange(n)) % n
-    solid = upper[:, 0] > 0.0
-    other = (apart > 1) & (apart < n - 1) & solid & solid[:, None]
-    return np.argwhere(np.triu(parted & parted.T & near & other))
-
-
 AnyBlank = Annotated[BlockTable | CylinderTable | TurnedTable, Field(discriminator="kind")]
+AnyStock = Annotated[
+    BlockTable | CylinderTable | TurnedTable | SolidFileTable | SavedTable, Field(discriminator="kind")
+]
 
 
 class StockTable(Table):
@@ -97,10 +71,18 @@ class StockTable(Table):
 
     ``spaces``: whether the program of one tooth space is run once, or indexed to all; ``sector``: to all, but of the
     blank only one space's sector is looked at, since all are alike. ``rapid_mm_min``: the machine's rapid rate of the
-    tip over the part; without it rapids take no known time.
+    tip over the part; without it rapids take no known time. ``pitch_mm`` may be left out where the blank is a stock
+    that was saved, which has one.
     """
 
-    pitch_mm: Length
-    blank: AnyBlank | None = None
+    pitch_mm: Length | None = None
+    blank: AnyStock | None = None
+    turning: TurningTable | None = None
     spaces: Literal["one", "all", "sector"] = "one"
     rapid_mm_min: Length | None = None
+
+    @model_validator(mode="after")
+    def _has_a_pitch(self) -> StockTable:
+        if self.pitch_mm is None and not isinstance(self.blank, SavedTable):
+            raise ValueError("pitch_mm: missing; it is the ray spacing of the tri-dexel")
+        return self

@@ -65,7 +65,7 @@ class Checkpoints:
 
         Raises InputError where the folder cannot be written.
         """
-        count = len(kept.stock.done)
+        count = len(kept.work)
         file, work = self.folder / _WORK.format(count - 1), kept.work[-1]
         touch = [] if work.touch is None else [work.touch.row, *work.touch.place, work.touch.depth]
         try:
@@ -86,6 +86,8 @@ class Checkpoints:
         told = hashlib.sha256(json.dumps([gearsim.__version__, self.tolerance, box.pitch, *places]).encode())
         for bundle in self.blank.left:
             told.update(bundle.first.tobytes() + bundle.lo.tobytes() + bundle.hi.tobytes())
+            told.update(bundle.lo_segment.tobytes() + bundle.hi_segment.tobytes())
+        told.update(repr(self.blank.done).encode())
         for operation in self.operations[:count]:
             told.update(repr((operation.name, operation.cutter)).encode())
             for column in fields(operation.table):

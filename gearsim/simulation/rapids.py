@@ -27,16 +27,16 @@ class RapidLook(NamedTuple):
     near: int
 
 
-def look_at_rapids(blank: Solid, stock: Stock, operation: Operation, workshop: Workshop) -> RapidLook:
+def look_at_rapids(blank: Solid | None, stock: Stock, operation: Operation, workshop: Workshop) -> RapidLook:
     """Hold an operation's rapids against a ``stock`` of a blank on which it is about to be carried out.
 
-    Rows that are clear of the uncut blank are, for certain. The others are run through all rays as they stand before
-    the operation; on those that lose anything the rows are told apart in their order, feeds included. Raises
-    NumericalError where a status forbids trust.
+    Rows that are clear of the uncut blank are, for certain (none are where it is None, known by its rays alone). The
+    others are run through all rays as they stand before the operation; on those that lose anything the rows are told
+    apart in their order, feeds included. Raises NumericalError where a status forbids trust.
     """
     fast = np.flatnonzero(operation.rapid)
     rapids = operation.part(fast)
-    near = fast[rows_near(rapids.table, rapids.cutter, blank)]
+    near = fast if blank is None else fast[rows_near(rapids.table, rapids.cutter, blank)]
     if not len(near):
         return RapidLook(None, 0)
     after = cut_stock(stock, [operation.part(near)], workshop)

@@ -16,11 +16,23 @@ from gearsim.programs.names import distinct
 from gearsim.simulation.checkpoints import Checkpoints, Kept
 from gearsim.simulation.contour.surface import Contour, contour
 from gearsim.simulation.dexels import DexelBox
+from gearsim.simulation.ends import Normals
 from gearsim.simulation.normals import EndNormals
 from gearsim.simulation.operation import Operation, Variant
 from gearsim.simulation.rapids import look_at_rapids
 from gearsim.simulation.room import require_room
-from gearsim.simulation.stock import AXES, Stock, after, blank_stock, cut_stock, material_rays, without
+from gearsim.simulation.saved_blank import with_earlier
+from gearsim.simulation.stock import (
+    AXES,
+    Stock,
+    after,
+    blank_stock,
+    cut_stock,
+    material_rays,
+    turn_stock,
+    without,
+)
+from gearsim.simulation.turning import Turning
 from gearsim.simulation.work import Work
 from gearsim.simulation.workshop import Workshop
 
@@ -30,25 +42,40 @@ _PART = Rigid(np.eye(3), np.zeros(3))
 
 @dataclass(frozen=True)
 class Machining:
-    """Operations on a blank, one after the other, seen by the tri-dexel of a box."""
+    """Operations on a blank, one after the other, seen by the tri-dexel of a box.
+
+    ``saved``: the stock in that box that they go on from, exactly; the blank is a solid much like it.
+    ``turning`` comes before them all.
+    """
 
     blank: Solid
     box: DexelBox
     operations: tuple[Operation, ...]
+    saved: Stock | None = None
+    turning: Turning | None = None
+
+    @property
+    def looked_at(self) -> DexelBox:
+        """The box whose rays are cut row after row: a coarser one, or a saved stock's, which has no other rays."""
+        return self.box if self.saved else look_box(self.box)
 
     @property
     def rays(self) -> int:
         """Rays that are cut, once for every operation."""
-        return len(self.operations) * (ray_count(self.box) + ray_count(look_box(self.box)))
+        return len(self.operations) * (ray_count(self.box) + ray_count(self.looked_at))
 
 
 class Machined(NamedTuple):
-    """The ``stock`` that is left, its surface, the blank's volumes by bundle [mm³], and the work of each operation."""
+    """The ``stock`` that is left, its surface, the blank's volumes by bundle [mm³], and the work of each operation.
+
+    ``turned_volumes`` [mm³]: what turning has left of the blank, all where there is none.
+    """
 
     stock: Stock
     contour: Contour
     blank_volumes: tuple[float, float, float]
     work: tuple[Work, ...]
+    turned_volumes: tuple[float, float, float]
 
 
 def whole_box(blank: Solid, pitch: float, frame: Rigid = _PART, others: Sequence[Solid] = ()) -> DexelBox:
@@ -120,18 +147,29 @@ def machine(asked: Machining, workshop: Workshop) -> Machined:
 
     Raises NumericalError where a status forbids trust, InputError where what is to be kept cannot be written.
     """
-    blank = blank_stock(asked.box, asked.blank)
-    keeper = workshop.checkpoints and Checkpoints(workshop.checkpoints, blank, workshop.tolerance, asked.operations)
-    kept = (keeper and keeper.last()) or Kept(blank, blank_stock(look_box(asked.box), asked.blank), [])
-    for operation in asked.operations[len(kept.stock.done) :]:
+    blank = asked.saved or blank_stock(asked.box, asked.blank)
+    look = asked.saved or blank_stock(asked.looked_at, asked.blank)
+    turned = blank
+    if asked.turning:
+        turned, look = (turn_stock(stock, asked.turning.kept, asked.turning.name) for stock in (blank, look))
+    keeper = workshop.checkpoints and Checkpoints(workshop.checkpoints, turned, workshop.tolerance, asked.operations)
+    kept = (keeper and keeper.last()) or Kept(turned, look, [])
+    for operation in asked.operations[len(kept.work) :]:
         stock = cut_stock(kept.stock, [operation], workshop)
         look, volume = _looked_at(kept.look, operation, workshop)
-        touch, near = look_at_rapids(asked.blank, kept.stock, operation, workshop)
+        touch, near = look_at_rapids(None if asked.saved else asked.blank, kept.stock, operation, workshop)
         kept = Kept(stock, look, [*kept.work, Work(operation, volume, stock.volumes, touch, near)])
         if keeper:
             keeper.keep(kept)
-    normals = EndNormals(asked.blank, asked.operations, workshop.device, workshop.tolerance)
-    return Machined(kept.stock, contour(kept.stock, normals), blank.volumes, tuple(kept.work))
+    normals = end_normals(asked, workshop.device, workshop.tolerance)
+    return Machined(kept.stock, contour(kept.stock, normals), blank.volumes, tuple(kept.work), turned.volumes)
+
+
+def end_normals(asked: Machining, device: str, tolerance: float) -> Normals:
+    """The normals at the ends of what is made, by who made them: the blank, turning, operations, another run."""
+    turned = [asked.turning.kept] if asked.turning else []
+    normals = EndNormals(asked.blank, [*turned, *asked.operations], device, tolerance)
+    return normals if asked.saved is None else with_earlier(asked.saved, normals)
 
 
 def _looked_at(look: Stock, operation: Operation, workshop: Workshop) -> tuple[Stock, NDArray]:

@@ -14,7 +14,8 @@ from gearsim.simulation.contour.surface import Contour, contour
 from gearsim.simulation.dexels import DexelBox
 from gearsim.simulation.normals import EndNormals
 from gearsim.simulation.operation import Operation
-from gearsim.simulation.stock import Done, Stock, blank_stock, cut_stock
+from gearsim.simulation.stock import Done, Stock, blank_stock, cut_stock, turn_stock
+from gearsim.simulation.turning import Turning
 from gearsim.simulation.workshop import Workshop
 
 _FEWEST = 2  # of an operation
@@ -34,12 +35,14 @@ class Way:
     """Operations done one after the other to a ``blank``, seen by the tri-dexel of a box, to be looked at in between.
 
     ``stops``: of each operation the rows, rising, after which it is looked at, the last of them all its rows.
+    ``turning`` comes before the first stage.
     """
 
     blank: Solid
     box: DexelBox
     operations: Sequence[Operation]
     stops: Sequence[NDArray[np.integer]]
+    turning: Turning | None = None
 
     def __len__(self) -> int:
         """Stages, that of the blank included."""
@@ -47,8 +50,11 @@ class Way:
 
     def stages(self, workshop: Workshop) -> Iterator[Stage]:
         """Stage after stage, the blank first. Raises NumericalError where a status forbids trust."""
-        normals = EndNormals(self.blank, self.operations, workshop.device, workshop.tolerance)
-        stock = blank_stock(self.box, self.blank)
+        stock, makers = blank_stock(self.box, self.blank), list[Operation | Solid](self.operations)
+        if self.turning:
+            stock = turn_stock(stock, self.turning.kept, self.turning.name)
+            makers.insert(0, self.turning.kept)
+        normals = EndNormals(self.blank, makers, workshop.device, workshop.tolerance)
         yield Stage(stock, contour(stock, normals), -1, 0)
         for number, (operation, stops) in enumerate(zip(self.operations, self.stops, strict=True)):
             before, done = stock.done, 0

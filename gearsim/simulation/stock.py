@@ -23,11 +23,15 @@ Bundles = tuple[IntervalSet, IntervalSet, IntervalSet]
 
 @dataclass(frozen=True)
 class Done:
-    """An operation that a stock has undergone: its ``rows`` are told by tags from ``first_tag`` on."""
+    """An operation that a stock has undergone: its ``rows`` are told by tags from ``first_tag`` on.
+
+    ``turned``: it turned the blank to an outline, no tool's rows did.
+    """
 
     name: str
     rows: int
     first_tag: int
+    turned: bool = False
 
 
 @dataclass(frozen=True)
@@ -64,6 +68,12 @@ class Stock:
         """Which of the operations done made ends of these tags; -1: none, they are the blank's."""
         first = np.array([d.first_tag for d in self.done], dtype=int)
         return np.where(tags < 0, BLANK, np.searchsorted(first, tags, side="right") - 1)
+
+    def cut(self, tags: NDArray[np.integer]) -> NDArray[np.bool_]:
+        """Whether a tool's rows made ends of these tags: not the blank itself, nor turning it to an outline."""
+        given = np.array([*(d.turned for d in self.done), True])
+        own: NDArray[np.bool_] = ~given[self.operation_of(tags)]  # BLANK is the last one
+        return own
 
 
 def blank_stock(box: DexelBox, blank: Solid) -> Stock:
@@ -139,7 +149,7 @@ def turn_stock(stock: Stock, kept: Solid, name: str) -> Stock:
     """What is left within a solid: turning to its outline, as one operation of one row."""
     tag = stock.next_tag
     left = [subtract(k, _outside(stock.box.rays(axis), kept, tag)) for axis, k in zip(AXES, stock.left, strict=True)]
-    return replace(stock, left=_bundles(left), done=(*stock.done, Done(name, 1, tag)))
+    return replace(stock, left=_bundles(left), done=(*stock.done, Done(name, 1, tag, turned=True)))
 
 
 def _outside(rays: RayBundle, kept: Solid, tag: int) -> IntervalSet:

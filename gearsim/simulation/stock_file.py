@@ -5,7 +5,8 @@ other axes the first the slowest), ``lo_mm`` and ``hi_mm`` (along the ray, from 
 ``hi_tag`` (-1: an end of the blank; else the row that made it, counted through the operations done). The schema's
 metadata hold under ``gearsim.stock`` as JSON: ``version``, ``unit`` (mm), ``frame`` (``rotation`` and ``translation``
 from the box to the part), ``lower``, ``upper``, ``pitch``, ``done`` (of each operation ``name``, ``rows``,
-``first_tag``) and ``job``, whose stock it is: a name and a digest of what was to be done.
+``first_tag`` and whether it ``turned`` the blank; none says: no) and ``job``, whose stock it is: a name and a digest of
+what was to be done.
 """
 
 from __future__ import annotations
@@ -78,7 +79,9 @@ def load_stock(file: Path) -> tuple[Stock, str]:
     try:
         frame = Rigid(*(np.array(told["frame"][k], dtype=float) for k in ("rotation", "translation")))
         box = DexelBox(frame, np.array(told["lower"], float), np.array(told["upper"], float), float(told["pitch"]))
-        done = tuple(Done(str(d["name"]), int(d["rows"]), int(d["first_tag"])) for d in told["done"])
+        done = tuple(
+            Done(str(d["name"]), int(d["rows"]), int(d["first_tag"]), d.get("turned") is True) for d in told["done"]
+        )
         bundle = table.column("bundle").to_numpy()
         columns = {k: table.column(k).to_numpy().astype(t, copy=False) for k, t in _COLUMNS.items()}
     except (KeyError, TypeError, ValueError) as error:
