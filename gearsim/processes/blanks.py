@@ -65,7 +65,10 @@ def given_blank(table: StockTable, folder: Path) -> Given:
                 "leave the key out"
             )
         names = ", ".join(d.name for d in stock.done) or "nothing"
-        told = f"stock.blank: {blank.file}: what {job or 'another run'} has left after: {names}"
+        told = (
+            f"stock.blank: {blank.file}: what {job or 'another run'} has left after: {names}; between its rays, "
+            f"{stock.box.pitch:g} mm apart, its surface is guessed: holders are held against it no closer than that"
+        )
         return Given(saved_solid(stock, f"stock.blank: {blank.file}"), stock, (told,))
     if isinstance(blank, SolidFileTable):
         assert table.pitch_mm is not None

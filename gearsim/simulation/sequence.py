@@ -20,7 +20,7 @@ from gearsim.simulation.ends import Normals
 from gearsim.simulation.normals import EndNormals
 from gearsim.simulation.operation import Operation, Variant
 from gearsim.simulation.rapids import look_at_rapids
-from gearsim.simulation.room import require_room
+from gearsim.simulation.room import RAY_BYTES, memory_bytes, require_room
 from gearsim.simulation.saved_blank import with_earlier
 from gearsim.simulation.stock import (
     AXES,
@@ -89,7 +89,11 @@ def whole_box(blank: Solid, pitch: float, frame: Rigid = _PART, others: Sequence
     lower, upper, narrowest = corners[:, 0].min(axis=0), corners[:, 1].max(axis=0), np.diff(corners[0], axis=0).min()
     cells = (upper - lower) / pitch + 2.0
     rays = sum(float(np.delete(cells, axis).prod()) for axis in AXES)
-    require_room(rays, f"stock.pitch_mm = {pitch:g}", "raise stock.pitch_mm")
+    fits = pitch * float(np.sqrt(RAY_BYTES * rays / memory_bytes()))
+    require_room(
+        rays, f"stock.pitch_mm = {pitch:g}",
+        f"{1.06 * fits:.2g} mm would do, or of a bevel gear one space's sector (stock.spaces = \"sector\")",
+    )  # fmt: skip
     if not narrowest >= pitch:
         raise InputError(f"stock.pitch_mm = {pitch:g}: the blank is only {float(narrowest):.4g} mm wide")
     return DexelBox(frame, lower - pitch, upper + pitch, pitch)

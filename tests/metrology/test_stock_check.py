@@ -140,7 +140,7 @@ def test_a_coarse_look_has_few_rays():
         ("gouge-cases", ("stock.pitch_mm=1",), "stock: scene gouge-cases cuts no part"),
         ("gouge-vertical-cylinder", ("stock.pitch_mm=1",), "this part has no blank of its own"),
         ("spur-external", (*GEAR, "stock.pitch_mm=1", "stock.spaces='all'"), "the program of one bevel gear's space"),
-        ("spiral-bevel-flank", ("stock.pitch_mm=1e-3",), "raise stock.pitch_mm"),
+        ("spiral-bevel-flank", ("stock.pitch_mm=1e-3",), "mm would do, or of a bevel gear one space's sector"),
         ("spiral-bevel-flank", ("stock.pitch_mm=200",), "the blank is only"),
         ("spiral-bevel-flank", ("stock.pitch_mm=1", "stock.blank.kind='cylinder'", "stock.blank.diameter_mm=9",
                                 "stock.blank.bottom_mm=3", "stock.blank.top_mm=3"), "top_mm must be above bottom_mm"),
