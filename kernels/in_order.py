@@ -4,6 +4,7 @@ import warp as wp
 
 from gearsim.kernels.cull import Groups
 from gearsim.kernels.interval import IntervalLists
+from gearsim.kernels.material import Material
 from gearsim.kernels.options import OPTIONS
 from gearsim.kernels.pose import Motion
 from gearsim.kernels.profile import Cutters, convex_part
@@ -30,15 +31,6 @@ class RowTree:
     upper: wp.array(dtype=wp.vec3)
     after: wp.array(dtype=wp.int32)
     group: wp.array(dtype=wp.int32)
-
-
-@wp.struct
-class Material:
-    """What there is along each ray: ray i has the stretches first[i] to first[i + 1], ``lo`` to ``hi`` [mm]."""
-
-    first: wp.array(dtype=wp.int64)
-    lo: wp.array(dtype=f64)
-    hi: wp.array(dtype=f64)
 
 
 @wp.func

@@ -14,12 +14,20 @@ from numpy.typing import NDArray
 from gearsim.errors import InputError, NumericalError, Status, explain
 from gearsim.geometry.rays import RayBundle
 from gearsim.kernels import in_order as kernels
-from gearsim.kernels.in_order import Material, RowTree
+from gearsim.kernels.in_order import RowTree
 from gearsim.kernels.loading import load_kernels
 from gearsim.simulation.intervals import IntervalSet, concatenate, from_lists
 from gearsim.simulation.operation import Operation
 from gearsim.simulation.removal import SLICE_RAYS, open_device, tile_rays
-from gearsim.simulation.tools import RowGroups, cutter_data, group_data, interval_lists, motion_data, row_groups
+from gearsim.simulation.tools import (
+    RowGroups,
+    cutter_data,
+    group_data,
+    interval_lists,
+    material_data,
+    motion_data,
+    row_groups,
+)
 
 _MOST_SLOTS = 256
 
@@ -78,7 +86,7 @@ def _tile(
     n, workers = len(rays), os.cpu_count() or 1
     along = [wp.array(a, dtype=wp.vec3d, device=device) for a in (rays.origin, rays.direction)]
     along += [wp.array(a, dtype=wp.float64, device=device) for a in (rays.start, rays.end)]
-    along += [_material(material, device)]
+    along += [material_data(material, device)]
     lists, status = interval_lists(n, slots, device), wp.zeros(n, dtype=wp.int32, device=device)
     length = wp.zeros((workers, rows), dtype=wp.float64, device=device)
     free: SimpleQueue[int] = SimpleQueue()  # each thread adds up on its own: a CPU launch has no atomic additions
@@ -101,13 +109,6 @@ def _tile(
     told = Status(int(np.bitwise_or.reduce(status.numpy(), initial=0)))
     columns = (lists.count, lists.lo, lists.hi, lists.lo_segment, lists.hi_segment)
     return Taken(from_lists(*(a.numpy() for a in columns)), length.numpy().sum(axis=0)), told
-
-
-def _material(material: IntervalSet, device: str) -> Material:
-    data = Material()
-    data.first = wp.array(material.first, dtype=wp.int64, device=device)
-    data.lo, data.hi = (wp.array(a, dtype=wp.float64, device=device) for a in (material.lo, material.hi))
-    return data
 
 
 def row_tree(groups: RowGroups, device: str) -> RowTree:

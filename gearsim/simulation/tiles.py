@@ -13,7 +13,6 @@ from numpy.typing import NDArray
 from gearsim.cutters.profile import Profile
 from gearsim.errors import NumericalError, Status, explain
 from gearsim.kernels import tiles as kernels
-from gearsim.kernels.interval import IntervalLists
 from gearsim.kernels.lattice import LISTS, RAYS, SIDE, Lattice
 from gearsim.kernels.loading import load_kernels
 from gearsim.kernels.material import Material
@@ -22,7 +21,7 @@ from gearsim.simulation.branches import branch_data, halved, roots_of
 from gearsim.simulation.dexels import DexelBox
 from gearsim.simulation.intervals import IntervalSet, concatenate, from_lists
 from gearsim.simulation.removal import SLICE_RAYS, memory_errors, open_device, tile_rays
-from gearsim.simulation.tools import cutter_data, motion_data
+from gearsim.simulation.tools import cutter_data, interval_lists, material_data, motion_data
 
 _MOST_SLOTS = 1024
 
@@ -56,7 +55,7 @@ class TileCutter:
         ``slots`` are the pieces more that a ray may fall into before its slice is cut again with more room. Threads do
         not change the result. Raises NumericalError where a status forbids trust.
         """
-        lattice, material = _lattice(box, axis, self.device), _material(left, self.device)
+        lattice, material = _lattice(box, axis, self.device), material_data(left, self.device)
         slots += int(np.diff(left.first).max(initial=0))
 
         def work(rows: tuple[int, int]) -> tuple[IntervalSet, NDArray]:
@@ -85,7 +84,7 @@ class TileCutter:
         """The rays of some rows of tiles, begin to end, and what was counted."""
         count, columns = len(lattice.second), -(-len(lattice.second) // SIDE)
         tiles = (rows[1] - rows[0]) * columns
-        lists = _lists(tiles * LISTS, slots, self.device)
+        lists = interval_lists(tiles * LISTS, slots, self.device)
         counts = wp.zeros((tiles, 2), dtype=wp.int32, device=self.device)
         status = wp.zeros(tiles, dtype=wp.int32, device=self.device)
         wp.launch(
@@ -129,20 +128,3 @@ def _lattice(box: DexelBox, axis: int, device: str) -> Lattice:
     data.first = wp.array(box.centres(first), dtype=wp.float64, device=device)
     data.second = wp.array(box.centres(second), dtype=wp.float64, device=device)
     return data
-
-
-def _material(left: IntervalSet, device: str) -> Material:
-    data = Material()
-    data.first = wp.array(left.first, dtype=wp.int64, device=device)
-    data.lo, data.hi = (wp.array(a, dtype=wp.float64, device=device) for a in (left.lo, left.hi))
-    data.lo_tag, data.hi_tag = (wp.array(a, dtype=wp.int32, device=device) for a in (left.lo_segment, left.hi_segment))
-    return data
-
-
-def _lists(rows: int, slots: int, device: str) -> IntervalLists:
-    lists = IntervalLists()
-    for name, kind in (("lo", wp.float64), ("hi", wp.float64), ("lo_segment", wp.int32), ("hi_segment", wp.int32)):
-        setattr(lists, name, wp.empty((rows, slots), dtype=kind, device=device))
-    lists.count = wp.zeros(rows, dtype=wp.int32, device=device)
-    lists.slots = slots
-    return lists

@@ -14,10 +14,12 @@ from gearsim.cutters.element import Element
 from gearsim.cutters.profile import Profile
 from gearsim.kernels.cull import Groups
 from gearsim.kernels.interval import IntervalLists
+from gearsim.kernels.material import Material
 from gearsim.kernels.pose import Motion
 from gearsim.kernels.profile import ARC, LINE, Cutters
 from gearsim.kernels.ring import Ring
 from gearsim.motion.segments import SegmentTable
+from gearsim.simulation.intervals import IntervalSet
 
 _ROUNDING = 4e-15
 _GROUP_TRAVEL = 0.6
@@ -218,3 +220,12 @@ def padded(lower: NDArray, upper: NDArray) -> tuple[NDArray, NDArray]:
         np.nextafter((lower - pad).astype(np.float32), -np.float32(np.inf)),
         np.nextafter((upper + pad).astype(np.float32), np.float32(np.inf)),
     )
+
+
+def material_data(left: IntervalSet, device: str) -> Material:
+    """What is left along rays, on a device; ends carry tags."""
+    data = Material()
+    data.first = wp.array(left.first, dtype=wp.int64, device=device)
+    data.lo, data.hi = (wp.array(a, dtype=wp.float64, device=device) for a in (left.lo, left.hi))
+    data.lo_tag, data.hi_tag = (wp.array(a, dtype=wp.int32, device=device) for a in (left.lo_segment, left.hi_segment))
+    return data
