@@ -1,10 +1,11 @@
 """Rows of a motion halved again and again, and where the tool of such a branch may meet a tile of parallel rays.
 
 Over a branch the tip moves by s u + e and the axis by s g + f: s within [-1, 1], u the stroke, g the swing, e no
-longer than ``rest`` and f than ``sway``. A half-space that holds the tool at the branch's pose, with normal n, holds it
-over the whole branch when moved by |n . (u + h g)| + rest + |h| sway, h any height, and by ``turn`` times how far tool
-points are from the axis' point there; rays beside the middle one by a and b ask for |n . a| + |n . b| more. So the
-plane at the middle ray's contact bounds how early any ray of the tile is entered at any pose of the branch.
+longer than ``rest`` and f than ``sway``. In the direction n the axis' point at height h gets no farther than at the
+branch's pose and |n . (u + h g)| + rest + |h| sway, and circles about it as the axis may lean toward n; rays beside the
+middle one by a and b ask for n . a and n . b more. So the plane at the middle ray's contact bounds how early each ray
+of the tile is entered at any pose of the branch. From an end of a single row the same holds one way only: where the tool
+comes nearer all the way, the bound is as close as the chord there.
 """
 
 import warp as wp
@@ -108,41 +109,67 @@ def at_end(branch: Branch, tip: wp.vec3d, axis: wp.vec3d, way: f64) -> Branch:
     return branch
 
 
+@wp.struct
+class Facing:
+    """A direction n as a branch sees it: how far its pose's tip is that way, how far its axis leans that way, how far a
+    circle of radius 1 about the axis gets at most and at least; how fast tip and axis go that way along the stroke.
+    """
+
+    tip: f64
+    lean: f64
+    wide: f64
+    narrow: f64
+    stroke: f64
+    swing: f64
+
+
 @wp.func
-def farthest(cutter: Cutter, along: f64, across: f64, turn: f64, base: f64) -> f64:
-    """How far the cutter gets in a direction from its axis' point at ``base``, the axis turned by up to ``turn``."""
-    most = -FAR
-    for k in range(cutter.first, cutter.end):
-        if cutter.slabs[k, 5] == LINE:
-            z = cutter.slabs[k, 0] - base
-            r = cutter.slabs[k, 2]
-            most = greater(most, z * along + r * across + turn * (wp.abs(z) + r))
-            r += cutter.slabs[k, 3] * (cutter.slabs[k, 1] - cutter.slabs[k, 0])
-            z = cutter.slabs[k, 1] - base
-            most = greater(most, z * along + r * across + turn * (wp.abs(z) + r))
-        else:
-            z = cutter.slabs[k, 3] - base
-            r = cutter.slabs[k, 2]
-            most = greater(most, z * along + r * across + cutter.slabs[k, 4] + turn * (wp.abs(z) + wp.abs(r)))
-    return most
+def facing_of(branch: Branch, origin: wp.vec3d, n: wp.vec3d) -> Facing:
+    """See Facing; counted from a point. The less the axis leans the wider the circle is."""
+    facing = Facing()
+    facing.tip = wp.dot(n, branch.tip - origin)
+    facing.lean = wp.dot(n, branch.axis)
+    facing.stroke = wp.dot(n, branch.stroke)
+    facing.swing = wp.dot(n, branch.swing)
+    turn = (f64(1.0) + wp.abs(branch.way)) * (wp.abs(facing.swing) + branch.sway)
+    least = greater(wp.abs(facing.lean) - turn, f64(0.0))
+    most = wp.abs(facing.lean) + turn
+    across = n - facing.lean * branch.axis
+    whole = wp.dot(across, across) + facing.lean * facing.lean
+    facing.wide = wp.sqrt(whole - least * least)
+    facing.narrow = wp.sqrt(greater(whole - most * most, f64(0.0)))
+    return facing
+
+
+@wp.func
+def circle_past(branch: Branch, facing: Facing, z: f64, r: f64) -> f64:
+    """How far a circle about the tool's axis, or the one that a spindle's centre makes (r < 0), gets in the branch."""
+    push = facing.stroke + z * facing.swing
+    rest = branch.rest + wp.abs(z) * branch.sway
+    ahead = wp.abs(push) + rest
+    if branch.way != f64(0.0):
+        ahead = greater(f64(2.0) * (f64(5.0) * rest - branch.way * push), f64(0.0))
+    return facing.tip + z * facing.lean + r * wp.where(r < f64(0.0), facing.narrow, facing.wide) + ahead
 
 
 @wp.func
 def past(cutter: Cutter, branch: Branch, tile: Tile, n: wp.vec3d, base: f64) -> wp.vec2d:
     """How far the tool gets past the middle ray's origin in direction n anywhere in the branch, and how much farther
-    than at its pose at the end of the stroke [mm].
+    its axis' point at height ``base`` is at the end of the stroke than at the pose [mm].
     """
-    axis = branch.axis
-    along = wp.dot(n, axis)
-    far = farthest(cutter, along, wp.length(n - along * axis), branch.turn, base)
-    far += wp.dot(n, branch.tip + base * axis - tile.origin)
-    push = wp.dot(n, branch.stroke + base * branch.swing)
-    rest = branch.rest + wp.abs(base) * branch.sway
-    if branch.way == f64(0.0):
-        far += wp.abs(push) + rest
-    else:
-        far += greater(f64(2.0) * (f64(5.0) * rest - branch.way * push), f64(0.0))
-    return wp.vec2d(far + f64(16.0) * cutter.skin, push)
+    facing = facing_of(branch, tile.origin, n)
+    far = -FAR
+    for k in range(cutter.first, cutter.end):
+        if cutter.slabs[k, 5] == LINE:
+            z0 = cutter.slabs[k, 0]
+            z1 = cutter.slabs[k, 1]
+            r = cutter.slabs[k, 2]
+            far = greater(far, circle_past(branch, facing, z0, r))
+            far = greater(far, circle_past(branch, facing, z1, r + cutter.slabs[k, 3] * (z1 - z0)))
+        else:
+            circle = circle_past(branch, facing, cutter.slabs[k, 3], cutter.slabs[k, 2])
+            far = greater(far, circle + cutter.slabs[k, 4])
+    return wp.vec2d(far + f64(16.0) * cutter.skin, facing.stroke + base * facing.swing)
 
 
 @wp.func

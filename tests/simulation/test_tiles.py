@@ -7,7 +7,7 @@ import pytest
 import warp as wp
 
 from gearsim.cutters.catalogue import apt
-from gearsim.cutters.end_mills import ball
+from gearsim.cutters.end_mills import ball, barrel
 from gearsim.errors import NumericalError
 from gearsim.geometry.rigid import frame
 from gearsim.kernels.branches import Branches, Tile, at_end, branch_at, reach_of
@@ -32,6 +32,7 @@ CUTTERS = {
     "flat": apt(2.0, 0.0, 0.0, 0.0, 0.0, 0.0, 8.0),
     "bull": apt(3.0, 0.5, 1.0, 0.5, 0.0, 0.0, 6.0),
     "lollipop": lollipop(),
+    "barrel": barrel(3.0, 12.0, 3.0, 7.0, 0.5),
 }
 
 
@@ -178,7 +179,7 @@ def reaches(table, cutter, levels, roots, node, origin, a, b, way=0.0, at=None):
 
 
 @pytest.mark.parametrize("way", [0.0, -1.0, 1.0])
-@pytest.mark.parametrize("name", ["ball", "flat", "bull"])
+@pytest.mark.parametrize("name", ["ball", "flat", "bull", "barrel"])
 def test_no_ray_of_a_tile_meets_the_tool_outside_a_branch_s_reach(name, way):
     """Rays anywhere in tiles, at poses of rows: of branches of every level, and of a row seen from its end."""
     cutter, rng, n = CUTTERS[name], np.random.default_rng(5), 4000
