@@ -1,4 +1,4 @@
-"""Solids bounded by triangles: the user's own blanks."""
+"""Solids bounded by triangles: blanks of the user's own, the surface of a saved stock, the net of a solid of faces."""
 
 from __future__ import annotations
 

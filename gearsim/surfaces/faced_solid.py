@@ -13,7 +13,7 @@ from scipy.sparse.csgraph import connected_components
 from scipy.spatial import cKDTree
 
 from gearsim.errors import InputError
-from gearsim.geometry.mesh_chords import mesh_chords
+from gearsim.geometry.faceted import Faceted
 from gearsim.geometry.solid import Solid
 from gearsim.geometry.triangles import TriangleMesh
 from gearsim.surfaces.foot_within import foot_within
@@ -69,6 +69,11 @@ class FacedSolid:
         real = (triangles != np.roll(triangles, 1, axis=1)).all(axis=1)
         return TriangleMesh(merged, triangles[real], tag[real])
 
+    @cached_property
+    def _net(self) -> Faceted:
+        """The net as a solid. Where faces nearly touch it may cross itself by less than a cell, which they do not."""
+        return Faceted(self.mesh, "the faces' net", slack=float(self._cells.max()))
+
     def _open_faces(self) -> list[int]:
         t, n = self.mesh.triangles, len(self.mesh.points)
         start, end = t.ravel(), np.roll(t, -1, axis=1).ravel()
@@ -97,7 +102,7 @@ class FacedSolid:
         return out
 
     def chords(self, origins: NDArray, directions: NDArray) -> tuple[NDArray, NDArray, NDArray]:
-        return mesh_chords(self.mesh.points[self.mesh.triangles], origins, directions)
+        return self._net.chords(origins, directions)
 
     def nearest(self, points: NDArray) -> tuple[NDArray, NDArray, NDArray, NDArray]:
         """Signed distances [mm] of points, shape (n, 3), from the surface, the numbers of the nearest faces, u and v.

@@ -45,7 +45,10 @@ def layers(
 
     Lines run over the whole blank and beyond, ``stepover`` [mm] apart; at least ``allowance`` [mm] stays on the
     part, along the axis and across it. Rapids run ``clear`` [mm] over the blank, and down to the layer before it,
-    where the tool has been. Raises InputError for a cutter that is not convex, and where there is nothing to take away.
+    where the tool has been. The last layer is the lowest at which the tool stands over anything of the part: what the
+    blank holds beside the part goes no deeper.
+
+    Raises InputError for a cutter that is not convex, and where there is nothing to take away.
     """
     if not cutter.is_convex:
         raise InputError(f"cutter {cutter.name!r} is not convex: lowered, it may hook under the part")

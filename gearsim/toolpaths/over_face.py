@@ -27,9 +27,7 @@ def fixed_axis(direction: NDArray) -> AxisRule:
     return lambda _, jet: np.broadcast_to(direction, jet.r.shape)
 
 
-def leaning_axis(
-    direction: NDArray, lean: float, guide: NurbsSurface | None = None
-) -> AxisRule:  # fmt: skip
+def leaning_axis(direction: NDArray, lean: float, guide: NurbsSurface | None = None) -> AxisRule:
     """A direction leant by an angle [rad] to the side that the face looks at, or a ``guide`` at the same share of u.
 
     Raises InputError, asked for axes, where that side is not defined: there the normal is along the direction.

@@ -72,9 +72,13 @@ def test_what_cannot_be_is_told():
         over_face(BLADE["tip"], MILL, fixed_axis(UP), 0.0)
 
 
-@pytest.mark.parametrize(("cutter", "direction"), [(flat(1.0, 9.0), UP), (ball(1.0, 9.0), np.array([1.0, 0.0, 0.0]))])
-def test_layers_keep_the_allowance_and_reach_the_floor(cutter, direction):
-    """A block of 4 x 2 x 3 mm in a larger one: nothing below the allowance over its sides, all the rest taken."""
+@pytest.mark.parametrize(
+    ("cutter", "direction", "over_edges"),
+    [(flat(1.0, 9.0), UP, 0.0), (ball(1.0, 9.0), np.array([1.0, 0.0, 0.0]), 0.5)],
+)
+def test_layers_keep_the_allowance_and_reach_the_floor(cutter, direction, over_edges):
+    """A block of 4 x 2 x 3 mm in a larger one: nothing within the allowance of it; layers end that much over its top,
+    or where a ball is lowest that still leans over an edge."""
     part = FacedSolid(block_faces())
     blank = Block(np.array([-2.0, -1.0, 2.0]), np.array([3.5, 3.0, 5.5]))
     moves = layers(part, blank, cutter, direction, 1.0, 0.6, 0.2, 1.0)
@@ -87,7 +91,8 @@ def test_layers_keep_the_allowance_and_reach_the_floor(cutter, direction):
     r = np.sqrt(np.maximum((off**2).sum(axis=2) - z**2, 0.0))
     assert cutter.signed_distance(r, z).min() > 0.19
     top = (part.box[1] @ direction) + 0.2
-    assert min((m.tips @ direction).min() for m in moves) < top
+    lowest = min((m.tips @ direction).min() for m in moves)
+    assert top - over_edges - 1e-9 <= lowest <= top - 0.9 * over_edges + 1e-9
     highest = float(blank.box[1] @ direction) + 1.0
     for before, after in pairwise(moves):
         assert np.allclose(before.tips[-1], after.tips[0])
