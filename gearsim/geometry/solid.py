@@ -44,6 +44,12 @@ class Solid(Protocol):
         ...
 
 
+def box_corners(solid: Solid) -> NDArray[np.floating]:
+    """The corners [mm], shape (8, 3), of a solid's own box."""
+    box = np.array(solid.box, dtype=float)
+    return np.stack(np.meshgrid(*box.T, indexing="ij"), axis=-1).reshape(-1, 3)
+
+
 @dataclass(frozen=True)
 class Block:
     """A box along the axes from ``lower`` to ``upper`` [mm], shape (3,). Raises InputError where it has no inside."""

@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 
 from gearsim.errors import InputError
-from gearsim.geometry.solid import Solid
+from gearsim.geometry.solid import Solid, box_corners
 from gearsim.scene.blank_files import SavedTable, SolidFileTable
 from gearsim.scene.stock import StockTable
 from gearsim.simulation.dexels import DexelBox
@@ -41,7 +41,7 @@ class Given(NamedTuple):
             return whole_box(self.solid, pitch, others=others)
         box = self.saved.box
         for other in others:
-            corners = box.frame.inverse().point(np.array(other.box))
+            corners = box.frame.inverse().point(box_corners(other))
             if (corners.min(axis=0) < box.lower).any() or (corners.max(axis=0) > box.upper).any():
                 raise InputError(
                     f"stock.blank: the saved stock's box, {box.lower} to {box.upper} mm, does not hold the body of "

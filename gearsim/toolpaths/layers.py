@@ -14,7 +14,7 @@ from scipy.ndimage import grey_dilation
 from gearsim.cutters.contact import across
 from gearsim.cutters.profile import Profile
 from gearsim.errors import InputError
-from gearsim.geometry.solid import Solid
+from gearsim.geometry.solid import Solid, box_corners
 from gearsim.toolpaths.counts import check_count
 from gearsim.toolpaths.drop_cutter import underside
 from gearsim.toolpaths.straight import Move
@@ -53,14 +53,14 @@ def layers(
     if not cutter.is_convex:
         raise InputError(f"cutter {cutter.name!r} is not convex: lowered, it may hook under the part")
     heights = height_map(part, blank, cutter, direction, allowance)
-    top = float((_corners(blank) @ heights.frame[2]).max())
+    top = float((box_corners(blank) @ heights.frame[2]).max())
     floor = float(heights.lowest[np.isfinite(heights.lowest)].min())
     if not floor < top:
         raise InputError(f"in layers from {direction} nothing is to be taken away; lower allowance_mm")
     check_count(top - floor, depth, what="depth_mm")
     count = ceil((top - floor) / depth - 1e-9)
     levels = np.linspace(top, floor, count + 1)
-    lines = _lines(heights, _corners(blank) @ heights.frame[1], stepover)
+    lines = _lines(heights, box_corners(blank) @ heights.frame[1], stepover)
     moves: list[Move] = []
     for before, level in pairwise(levels):
         for move in _layer(heights, lines, float(before), float(level), top + clear):
@@ -74,7 +74,7 @@ def height_map(part: Solid, blank: Solid, cutter: Profile, direction: NDArray, a
     """Where the tip may go: over the part's rays along the axis, every one as wide as its cell and its neighbours."""
     sideways = across(direction)
     frame = np.stack([sideways, np.cross(direction, sideways), direction])
-    corners, radius = _corners(blank) @ frame.T, cutter.max_radius
+    corners, radius = box_corners(blank) @ frame.T, cutter.max_radius
     cell = radius / _CELLS
     low, high = corners.min(axis=0) - radius - 2.0 * cell, corners.max(axis=0) + radius + 2.0 * cell
     check_count(float((high - low)[:2].max()), cell, what="the height map's cell")
@@ -92,11 +92,6 @@ def height_map(part: Solid, blank: Solid, cutter: Profile, direction: NDArray, a
     lifted = grey_dilation(height.reshape(len(x), len(y)), footprint=under, structure=np.where(under, -below, 0.0),
                            mode="constant", cval=-np.inf)  # fmt: skip
     return HeightMap(frame, x, y, lifted + allowance)
-
-
-def _corners(blank: Solid) -> NDArray:
-    lower, upper = blank.box
-    return np.array([[(lower, upper)[b >> i & 1][i] for i in range(3)] for b in range(8)])
 
 
 def _lines(heights: HeightMap, sides: NDArray, stepover: float) -> NDArray[np.integer]:

@@ -10,16 +10,19 @@ import pytest
 
 from gearsim.cli import main
 from gearsim.errors import InputError
+from gearsim.geometry.rigid import Rigid
+from gearsim.geometry.solid import Block
 from gearsim.geometry.triangles import TriangleMesh
 from gearsim.metrology.stock_check import StockInspection
 from gearsim.metrology.stock_surfaces import cut_ends
 from gearsim.output.report import report_text
 from gearsim.output.solid_files import SolidSurface, write_solid
 from gearsim.output.summary import summary
-from gearsim.processes.blanks import given_blank
+from gearsim.processes.blanks import Given, given_blank
 from gearsim.processes.run import estimate, plan, run
 from gearsim.scene import check_scene, load_scene, scene_table
 from gearsim.scene.stock import StockTable
+from gearsim.simulation.dexels import DexelBox
 from gearsim.simulation.stock import blank_stock, turn_stock
 from gearsim.simulation.stock_file import load_stock, save_stock
 from gearsim.surfaces.solid_file import read_solid
@@ -121,6 +124,17 @@ def test_a_saved_stock_has_its_own_pitch_and_box(whole, tmp_path):
     wide["surface"]["body"]["upper_mm"] = (90.0, 40.0, 0.0)
     with pytest.raises(InputError, match="does not hold the body of"):
         run(check_scene(wide, "wide"), folder=tmp_path)
+
+
+def test_a_saved_stock_s_turned_box_holds_a_body_only_with_all_its_corners():
+    turned = Rigid(np.array([[0.8, -0.6, 0.0], [0.6, 0.8, 0.0], [0.0, 0.0, 1.0]]), np.zeros(3))
+    stock = blank_stock(DexelBox(turned, np.full(3, -5.0), np.full(3, 5.0), 1.0), Block(np.full(3, -1.0), np.ones(3)))
+    given = Given(Block(np.full(3, -1.0), np.ones(3)), stock)
+    reach = 25.0 / 7.0  # turned so, a cube's farthest corners lie 7/5 of that along an axis of the box
+    inside, outside = (Block(np.full(3, -half), np.full(3, half)) for half in (reach - 1e-6, reach + 1e-6))
+    assert given.box(None, [inside]) is stock.box
+    with pytest.raises(InputError, match="does not hold the body"):
+        given.box(None, [outside])
 
 
 def test_text_and_binary_stl_are_the_same_body_in_any_unit(tmp_path):
