@@ -75,21 +75,26 @@ def load_faces(name_or_path: str | Path) -> FaceFile:
 
 def load_surfaces(name_or_path: str | Path) -> list[NurbsSurface]:
     """The surfaces of all faces, untrimmed. Raises InputError as `load_faces` and where a face was skipped."""
-    found = load_faces(name_or_path)
-    if found.skipped:
-        raise InputError(f"cannot read {name_or_path}: {'; '.join(found.skipped[:3])}")
-    return [face.surface for face in found.faces.values()]
+    return [face.surface for face in _all_faces(name_or_path).values()]
 
 
 def load_untrimmed(name_or_path: str | Path) -> list[NurbsSurface]:
     """As `load_surfaces`, of faces that are their whole surfaces. Raises InputError for one that is a part of its."""
-    for number, face in load_faces(name_or_path).faces.items():
+    found = _all_faces(name_or_path)
+    for number, face in found.items():
         if face.loops and not face.is_whole:
             raise InputError(
                 f"{name_or_path}, face {number}: its boundary leaves a part of its surface out; expected faces that "
                 "reach to their surfaces' borders, split them there"
             )
-    return load_surfaces(name_or_path)
+    return [face.surface for face in found.values()]
+
+
+def _all_faces(name_or_path: str | Path) -> dict[int, Face]:
+    found = load_faces(name_or_path)
+    if found.skipped:
+        raise InputError(f"cannot read {name_or_path}: {'; '.join(found.skipped[:3])}")
+    return found.faces
 
 
 def _beside_shipped(path: Path) -> Path:
