@@ -8,15 +8,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gearsim.geometry.rays import RayBundle, join_rays
-from gearsim.geometry.rigid import Rigid
 from gearsim.geometry.solid import Block, Shifted, Solid
 from gearsim.geometry.turned import Turned
+from gearsim.machines.chain import AT_REST
 from gearsim.metrology.chords import stock_chords
 from gearsim.simulation.dexels import DexelBox
 
 BELOW_MM = 1e-3
 _RAYS, _LINES, _FINEST = 30_000, 50_000, 0.02
-_STILL = Rigid(np.eye(3), np.zeros(3))
 
 
 def body_rays(solid: Solid, lower: NDArray, upper: NDArray) -> tuple[RayBundle, float]:
@@ -28,7 +27,7 @@ def body_rays(solid: Solid, lower: NDArray, upper: NDArray) -> tuple[RayBundle, 
     """
     pitch = max(_FINEST, _spread(lower, upper, _RAYS))
     middle, half = 0.5 * (lower + upper), np.maximum(0.5 * (upper - lower), 0.6 * pitch)
-    box = DexelBox(_STILL, middle - half, middle + half, pitch)
+    box = DexelBox(AT_REST, middle - half, middle + half, pitch)
     lines = join_rays(list(_surface(solid, max(pitch, _spread(*solid.box, _LINES)))))
     centre, reach = lines.origin + 0.5 * lines.end[:, None] * lines.direction, 0.5 * lines.end[:, None] + pitch
     close: NDArray[np.bool_] = np.all(np.abs(centre - middle) <= half + reach, axis=1)

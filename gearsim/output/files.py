@@ -16,6 +16,7 @@ LAST = "report.json"
 SAMPLES = "samples.parquet"
 MESHES = "tooth.vtp"
 PART = "part.vtp"
+STOCK = "stock.parquet"
 CHECKPOINTS = ".stock-so-far"  # of a whole part, until its run is complete
 VIEW = "view"  # the interactive one, which stands in report.html
 

@@ -17,8 +17,6 @@ from gearsim.output.meshes import points_of, triangles_of
 from gearsim.output.solid_files import SolidSurface
 from gearsim.output.window import read_mesh
 
-STOCK = "stock.parquet"
-
 
 @dataclass(frozen=True)
 class MeasuredGrid:

@@ -14,6 +14,7 @@ from rich.console import Console
 from gearsim.metrology.job import Job
 from gearsim.metrology.stock_check import OperationFigures, StockInspection, StockMeasurement, TurnedFigures
 from gearsim.output.columns import YES_NO, Column
+from gearsim.output.files import STOCK
 from gearsim.output.markdown import table, um
 from gearsim.output.programs import duration
 from gearsim.output.solid_files import solid_surface, write_solid
@@ -21,7 +22,7 @@ from gearsim.output.summary import number
 from gearsim.output.table import write_columns
 from gearsim.result import Result
 
-STOCK, OPERATIONS = "stock.parquet", "operations.parquet"
+OPERATIONS = "operations.parquet"
 SOLIDS = ("part.stl", "part.vtp", "part.3mf")
 PICTURE = "part.png"
 TURNED = "turning tool"

@@ -12,10 +12,10 @@ from numpy.typing import NDArray
 from gearsim.errors import InputError
 from gearsim.geometry.nearest import Span, span
 from gearsim.metrology.stock_check import StockInspection
-from gearsim.output.files import PART
+from gearsim.output.files import PART, STOCK
 from gearsim.output.plane_section import cut_part, read_plane, told
 from gearsim.output.point_cloud import write_points
-from gearsim.output.run_folder import STOCK, MeasuredGrid, RunFolder
+from gearsim.output.run_folder import MeasuredGrid, RunFolder
 from gearsim.output.screen import print_line
 from gearsim.output.section_files import write_section
 from gearsim.output.step import write_step

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from gearsim.errors import InputError
 from gearsim.geometry.rigid import Rigid
-from gearsim.machines.chain import Machine
+from gearsim.machines.chain import AT_REST, Machine
 from gearsim.machines.path import axis_values
 from gearsim.metrology.axis_check import AxisInspection
 from gearsim.metrology.body_check import FIXTURE, NOSE, TABLE, BodyInspection
@@ -27,7 +27,6 @@ from gearsim.scene import CylindricalGearScene, FlankMillingScene, ProgramScene,
 from gearsim.scene.catalogue import RunMachineTable
 from gearsim.simulation.operation import Operation
 
-_STILL = Rigid(np.eye(3), np.zeros(3))
 _PROGRAM = "program.nc"
 _HOME = re.compile(r"G\s*(28|30)(?![\d.])")
 
@@ -97,7 +96,7 @@ def _homing(blocks: Blocks, text: str) -> NDArray[np.bool_]:
 def _frame(job: Job) -> Rigid:
     """From the frame of a program's motions to the part's."""
     source = job.variant(job.main).operations[0].sources[0]
-    return source.rigid if isinstance(source, MovedMotion) else _STILL
+    return source.rigid if isinstance(source, MovedMotion) else AT_REST
 
 
 def _bare(source: MotionSource) -> MotionSource:

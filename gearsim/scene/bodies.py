@@ -2,16 +2,13 @@
 
 from __future__ import annotations
 
-from typing import Annotated
-
 import numpy as np
 from pydantic import Field
 
 from gearsim.geometry.solid import Shifted, Solid
+from gearsim.scene.outline import Coordinate
 from gearsim.scene.stock import AnyBlank
 from gearsim.scene.tables import Table
-
-_Coordinate = Annotated[float, Field(gt=-1e5, lt=1e5, allow_inf_nan=False)]
 
 
 class BodyTable(Table):
@@ -21,7 +18,7 @@ class BodyTable(Table):
     """
 
     shape: AnyBlank
-    at_mm: tuple[tuple[_Coordinate, _Coordinate], ...] = Field(default=((0.0, 0.0),), min_length=1)
+    at_mm: tuple[tuple[Coordinate, Coordinate], ...] = Field(default=((0.0, 0.0),), min_length=1)
 
     def build(self) -> list[Solid]:
         """One solid a place. Raises InputError as the shape does."""
