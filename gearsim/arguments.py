@@ -151,7 +151,8 @@ _ANIMATE_HELP = """examples:
   gearsim animate spiral-bevel-flank --set 'stock.spaces="all"' --set stock.pitch_mm=1 --pitch-mm 0.8
 
 every frame is the true stock after so many rows of the program, cut on a tri-dexel of its own: rays --pitch-mm apart
-(left out: about 60,000 rays). A scene without [stock] is cut from the part's own blank. Time runs with the tip's way in
+(left out: about 60,000 rays). A scene without [stock] is cut from the part's own blank; a saved one begins as its
+closed surface, less than a cell off. Time runs with the tip's way in
 feed; the line above tells operation, time in feed and volume. Any browser shows the file.
 
 exit codes:

@@ -64,7 +64,10 @@ def _operations(scene: SolidScene, top: float) -> Iterator[Operation]:
 
 
 def straight_moves(table: DrillTable | MillTable, top: float) -> list[Move]:
-    """Moves of drilled holes or milled lines, from and to the ``top`` [mm] of the blank. Raises InputError."""
+    """Moves of drilled holes or milled lines, from and to the ``top`` [mm] of the blank.
+
+    Raises InputError for more pecks than there may be.
+    """
     if isinstance(table, DrillTable):
         if table.peck_mm is not None:
             check_count(table.clear_mm - table.bottom_mm, table.peck_mm, what=f"{table.name}: peck_mm")

@@ -63,7 +63,10 @@ class FacedTable(Table):
         return self
 
     def build(self, folder: Path, window: float) -> FacedPart:
-        """The part; relative files are looked up in ``folder``. Raises InputError where there is no such solid."""
+        """The part, its faces looked at within ``window`` [mm] along their normals; files are looked up in ``folder``.
+
+        Raises InputError where there is no such solid.
+        """
         beside = folder / self.file
         found = load_untrimmed(beside if is_file(beside) else self.file)
         named = {face.number: face for face in self.faces}

@@ -73,10 +73,11 @@ def over_face(
     """One way to and fro over the whole face, from border to border, that leaves ``allowance`` [mm] along normals.
 
     A motion a pass, that with the step over to the next one; each begins in the pose in which the last one ends.
+    ``points`` a pass to begin with. Neighbouring passes are nowhere more than ``stepover`` [mm] apart. Steps are so
+    short that the ball's centre is nowhere more than ``tolerance`` [mm] off.
 
-    Neighbouring passes are nowhere more than the stepover apart. Steps are so short that the ball's centre is nowhere
-    more than ``tolerance`` [mm] off. Raises InputError for a tool without a ball at its tip, and where the axis leans
-    so far from the face's normal that not the ball touches it.
+    Raises InputError for a tool without a ball at its tip, and where the axis leans so far from the face's normal that
+    not the ball touches it.
     """
     radius, end = _ball(cutter)
     count = line_count(surface, stepover, along, 0.0)
