@@ -10,7 +10,7 @@ from typing import Annotated, Literal
 
 import numpy as np
 from numpy.typing import NDArray
-from pydantic import Field, model_validator
+from pydantic import AfterValidator, Field, model_validator
 
 from gearsim.errors import InputError, is_file
 from gearsim.scene.bevel import Number
@@ -23,8 +23,15 @@ from gearsim.surfaces.nurbs_file import load_untrimmed
 from gearsim.surfaces.part import Tolerance
 from gearsim.toolpaths.over_face import AxisRule, between_axis, fixed_axis, leaning_axis
 
-_Vector = tuple[Number, Number, Number]
-_UP: _Vector = (0.0, 0.0, 1.0)
+
+def _has_a_length(direction: tuple[float, float, float]) -> tuple[float, float, float]:
+    if not float(np.linalg.norm(direction)) > 1e-9:
+        raise ValueError(f"got {direction}; it must have a length")
+    return direction
+
+
+Direction = Annotated[tuple[Number, Number, Number], AfterValidator(_has_a_length)]
+_UP: Direction = (0.0, 0.0, 1.0)
 
 
 class FaceTable(Table):
@@ -87,7 +94,7 @@ class FixedAxisTable(Table):
     """Key ``axis`` of kind ``fixed``: the tool's axis is the same everywhere; ``direction`` leads away from the tip."""
 
     kind: Literal["fixed"]
-    direction: _Vector = _UP
+    direction: Direction = _UP
 
     def build(self, faces: Mapping[str, NurbsSurface], over: str) -> AxisRule:
         return fixed_axis(unit(self.direction))
@@ -101,7 +108,7 @@ class LeaningAxisTable(Table):
     """
 
     kind: Literal["leaning"]
-    direction: _Vector = _UP
+    direction: Direction = _UP
     lean_deg: float = Field(ge=0.0, le=85.0, allow_inf_nan=False)
     as_over: dict[str, str] = Field(default_factory=dict)
 
@@ -115,7 +122,7 @@ class BetweenAxisTable(Table):
     rather along ``direction`` than against it."""
 
     kind: Literal["between"]
-    direction: _Vector = _UP
+    direction: Direction = _UP
     faces: tuple[str, ...] = Field(min_length=1)
 
     def build(self, faces: Mapping[str, NurbsSurface], over: str) -> AxisRule:
@@ -125,12 +132,9 @@ class BetweenAxisTable(Table):
 AnyAxis = Annotated[FixedAxisTable | LeaningAxisTable | BetweenAxisTable, Field(discriminator="kind")]
 
 
-def unit(direction: _Vector) -> NDArray:
-    """A direction with length 1. Raises InputError where it has none."""
-    length = float(np.linalg.norm(direction))
-    if not length > 1e-9:
-        raise InputError(f"direction {direction}: it must have a length")
-    return np.array(direction) / length
+def unit(direction: Direction) -> NDArray:
+    """A direction with length 1, shape (3,)."""
+    return np.array(direction) / float(np.linalg.norm(direction))
 
 
 class LayersTable(Table):
@@ -143,7 +147,7 @@ class LayersTable(Table):
     kind: Literal["layers"]
     name: str = "roughing"
     tool: int = 1
-    direction: _Vector = _UP
+    direction: Direction = _UP
     depth_mm: Length
     stepover_mm: Length
     allowance_mm: LengthOrZero = 0.3
