@@ -193,15 +193,11 @@ def interval_lists(rays: int, slots: int, device: str) -> IntervalLists:
 
 
 def segment_bounds(table: SegmentTable, cutter: Profile) -> tuple[NDArray, NDArray]:
-    """Axis-aligned boxes, float32 rounded outward, of the cutter swept over every row."""
-    return swept_boxes(table.tip[:, 0], table.axis[:, 0], table.speed, cutter)
+    """Axis-aligned boxes, float32 rounded outward, of the cutter swept over every row.
 
-
-def swept_boxes(tip: NDArray, axis: NDArray, travel: NDArray, cutter: Profile) -> tuple[NDArray, NDArray]:
-    """The same of the cutter no point of which is farther than ``travel`` [mm] from where it is at a pose.
-
-    Each box holds the cutter's bounding cylinders at the pose grown by that.
+    Each box holds the cutter's bounding cylinders at the row's middle, grown by as far as any of its points moves.
     """
+    tip, axis = table.tip[:, 0], table.axis[:, 0]
     spread = np.sqrt(np.clip(1.0 - axis**2, 0.0, 1.0))
     lower, upper = np.full(tip.shape, np.inf), np.full(tip.shape, -np.inf)
     for e in cutter.elements:
@@ -210,7 +206,7 @@ def swept_boxes(tip: NDArray, axis: NDArray, travel: NDArray, cutter: Profile) -
             centre = tip + z * axis
             lower = np.minimum(lower, centre - radius * spread)
             upper = np.maximum(upper, centre + radius * spread)
-    return padded(lower - travel[:, None], upper + travel[:, None])
+    return padded(lower - table.speed[:, None], upper + table.speed[:, None])
 
 
 def padded(lower: NDArray, upper: NDArray) -> tuple[NDArray, NDArray]:
