@@ -175,7 +175,7 @@ def _add_animate(commands: Any) -> None:
     animate.add_argument("--out", type=Path, metavar="FILE", help="a .webp file (default: runs/NAME/cut.webp)")
     animate.add_argument("--frames", type=_positive, default=40, metavar="N",
                          help="about so many, at least two an operation (default: %(default)s)")  # fmt: skip
-    animate.add_argument("--pitch-mm", type=_pitch, metavar="MM", help="between the rays")
+    animate.add_argument("--pitch-mm", type=_number(1e-3, 1e3), metavar="MM", help="between the rays")
     animate.add_argument("--set", action="append", default=[], metavar="TABLE.KEY=VALUE",
                          help="override a value of the scene; repeatable")  # fmt: skip
     animate.add_argument("--device", default="cpu", help="cpu (default) or cuda:0, cuda:1, ...")
@@ -251,7 +251,9 @@ def _add_verify(commands: Any) -> None:
                        "removal road by an oracle of its own, on rays that touch, graze and pass")  # fmt: skip
     verify.add_argument("--points", type=_positive, default=500, help="points per surface (default: %(default)s)")
     verify.add_argument("--seed", type=int, default=1, help="seed of the random points (default: %(default)s)")
-    verify.add_argument("--limit-mm", type=_size, default=1e-9, help="largest distance error (default: %(default)s)")
+    verify.add_argument(
+        "--limit-mm", type=_number(1e-12, 1.0), default=1e-9, help="largest distance error (default: %(default)s)"
+    )
     verify.add_argument("--out", type=Path, metavar="FILE", help="also write the figures as JSON to this file")
     verify.add_argument("--plot", type=Path, metavar="FILE",
                         help="also draw where over u and v each formula errs (.png, .svg or .pdf)")  # fmt: skip
@@ -304,21 +306,14 @@ def _positive(text: str) -> int:
     return int(text)
 
 
-def _pitch(text: str) -> float:
-    try:
-        value = float(text)
-    except ValueError:
-        value = 0.0
-    if not 1e-3 <= value <= 1e3:
-        raise argparse.ArgumentTypeError(f"expected a number from 0.001 to 1000, got {text!r}")
-    return value
+def _number(least: float, largest: float) -> Callable[[str], float]:
+    def read(text: str) -> float:
+        try:
+            value = float(text)
+        except ValueError:
+            value = 0.0
+        if not least <= value <= largest:
+            raise argparse.ArgumentTypeError(f"expected a number from {least:g} to {largest:g}, got {text!r}")
+        return value
 
-
-def _size(text: str) -> float:
-    try:
-        value = float(text)
-    except ValueError:
-        value = 0.0
-    if not 1e-12 <= value <= 1.0:
-        raise argparse.ArgumentTypeError(f"expected a number from 1e-12 to 1, got {text!r}")
-    return value
+    return read
