@@ -26,16 +26,14 @@ from gearsim.simulation.dexels import DexelBox
 from gearsim.simulation.stock import blank_stock, turn_stock
 from gearsim.simulation.stock_file import load_stock, save_stock
 from gearsim.surfaces.solid_file import read_solid
+from tests.geometry.test_faceted import FACES, block
 
 PLATE = (np.array([0.0, 0.0, -12.0]), np.array([60.0, 40.0, 0.0]))
-FACES = np.array([[0, 2, 1], [1, 2, 3], [4, 5, 6], [5, 7, 6], [0, 1, 4], [1, 5, 4],
-                  [2, 6, 3], [3, 6, 7], [0, 4, 2], [2, 4, 6], [1, 3, 5], [3, 7, 5]])  # fmt: skip
 
 
 def write_stl(file, lower, upper, faces=FACES):
-    corners = np.array([[(upper if i >> k & 1 else lower)[k] for k in range(3)] for i in range(8)])
     none = np.full(len(faces), -1)
-    write_solid(SolidSurface(TriangleMesh(corners, faces, none), none, ()), file)
+    write_solid(SolidSurface(TriangleMesh(block(lower, upper).points, faces, none), none, ()), file)
 
 
 def text_stl(file, corners):
