@@ -4,8 +4,8 @@ Over a branch the tip moves by s u + e and the axis by s g + f: s within [-1, 1]
 longer than ``rest`` and f than ``sway``. In the direction n the axis' point at height h gets no farther than at the
 branch's pose and |n . (u + h g)| + rest + |h| sway, and circles about it as the axis may lean toward n; rays beside the
 middle one by a and b ask for n . a and n . b more. So the plane at the middle ray's contact bounds how early each ray
-of the tile is entered at any pose of the branch. From an end of a single row the same holds one way only: where the tool
-comes nearer all the way, the bound is as close as the chord there.
+of the tile is entered at any pose of the branch. From an end of a single row the same holds one way only: where the
+tool comes nearer all the way, the bound is as close as the chord there.
 """
 
 import warp as wp
