@@ -28,6 +28,7 @@ from gearsim.simulation.stock import AXES, BLANK, Done, Stock
 
 VERSION = 1
 _KEY = b"gearsim.stock"
+_SQUARE = 1e-9  # how far a frame's rotation may be off one
 _COLUMNS = {"ray": np.int64, "lo_mm": np.float64, "hi_mm": np.float64, "lo_tag": np.int32, "hi_tag": np.int32}
 
 
@@ -77,18 +78,22 @@ def load_stock(file: Path) -> tuple[Stock, str]:
         raise InputError(f"stock file {file}: cannot be read: {error}") from error
     told = _told(file, table.schema.metadata or {})
     try:
-        frame = Rigid(*(np.array(told["frame"][k], dtype=float) for k in ("rotation", "translation")))
-        box = DexelBox(frame, np.array(told["lower"], float), np.array(told["upper"], float), float(told["pitch"]))
+        box = _box(told)
         done = tuple(
             Done(str(d["name"]), int(d["rows"]), int(d["first_tag"]), d.get("turned") is True) for d in told["done"]
         )
-        bundle = table.column("bundle").to_numpy()
-        columns = {k: table.column(k).to_numpy().astype(t, copy=False) for k, t in _COLUMNS.items()}
-    except (KeyError, TypeError, ValueError) as error:
+        bundle = _column(table, "bundle", np.int8)
+        columns = {k: _column(table, k, t) for k, t in _COLUMNS.items()}
+    except (KeyError, TypeError, ValueError, AttributeError) as error:
         raise InputError(f"stock file {file}: {error} is missing or has another form; save it anew") from error
+    if not np.isin(bundle, AXES).all():
+        raise InputError(f"stock file {file}: bundles are {', '.join(map(str, np.unique(bundle)))}; expected 0, 1, 2")
     left = [_bundle(file, box, axis, {k: c[bundle == axis] for k, c in columns.items()}) for axis in AXES]
     stock = Stock(box, (left[0], left[1], left[2]), done)
-    highest = max(int(k.max(initial=BLANK)) for s in stock.left for k in (s.lo_segment, s.hi_segment))
+    tags = np.concatenate([k for s in stock.left for k in (s.lo_segment, s.hi_segment)])
+    highest = int(tags.max(initial=BLANK))
+    if tags.min(initial=BLANK) < BLANK:
+        raise InputError(f"stock file {file}: tag {tags.min()} is of no operation; the blank's is {BLANK}")
     if highest >= stock.next_tag:
         raise InputError(f"stock file {file}: tag {highest} is of no operation; the last one's is {stock.next_tag - 1}")
     return stock, str(told.get("job", ""))
@@ -97,10 +102,42 @@ def load_stock(file: Path) -> tuple[Stock, str]:
 def _told(file: Path, metadata: dict[bytes, bytes]) -> dict[str, Any]:
     if _KEY not in metadata:
         raise InputError(f"stock file {file}: no stock of gearsim (its schema has no {_KEY.decode()} metadata)")
-    told: dict[str, Any] = json.loads(metadata[_KEY])
-    if told.get("version") != VERSION:
-        raise InputError(f"stock file {file}: version {told.get('version')}; this gearsim reads version {VERSION}")
-    return told
+    try:
+        told = json.loads(metadata[_KEY])
+    except ValueError as error:
+        raise InputError(f"stock file {file}: its {_KEY.decode()} metadata are no JSON: {error}") from error
+    version, unit = (told.get(k) if isinstance(told, dict) else None for k in ("version", "unit"))
+    if version != VERSION:
+        raise InputError(f"stock file {file}: version {version}; this gearsim reads version {VERSION}")
+    if unit != "mm":
+        raise InputError(f"stock file {file}: unit {unit}; expected mm")
+    return dict(told)
+
+
+def _box(told: dict[str, Any]) -> DexelBox:
+    """The box of a file's metadata. Raises ValueError, and what reading plain values does."""
+    frame = told["frame"]
+    shapes = {"rotation": (3, 3), "translation": (3,), "lower": (3,), "upper": (3,), "pitch": ()}
+    found = {k: np.array((frame if k in frame else told)[k], dtype=float) for k in shapes}
+    for key, shape in shapes.items():
+        if found[key].shape != shape or not np.isfinite(found[key]).all():
+            raise ValueError(f"{key} = {found[key].tolist()}")
+    rotation = found["rotation"]
+    if not np.allclose(rotation @ rotation.T, np.eye(3), rtol=0.0, atol=_SQUARE):
+        raise ValueError(f"rotation = {rotation.tolist()}")
+    try:
+        return DexelBox(Rigid(rotation, found["translation"]), found["lower"], found["upper"], float(found["pitch"]))
+    except InputError as error:
+        raise ValueError(f"its box ({error})") from error
+
+
+def _column(table: Any, name: str, kind: type) -> NDArray:
+    """A column of the form that it is written in. Raises ValueError for another."""
+    column = table.column(name)
+    if column.null_count or str(column.type) != np.dtype(kind).name.replace("float64", "double"):
+        raise ValueError(f"column {name} of {column.type}")
+    values: NDArray = column.to_numpy()
+    return values
 
 
 def _bundle(file: Path, box: DexelBox, axis: int, columns: dict[str, NDArray]) -> IntervalSet:
@@ -108,9 +145,12 @@ def _bundle(file: Path, box: DexelBox, axis: int, columns: dict[str, NDArray]) -
     count = int(np.delete(box.counts, axis).prod())
     same = ray[1:] == ray[:-1]
     rising = (hi > lo).all() and (ray[1:] >= ray[:-1]).all() and (lo[1:][same] >= hi[:-1][same]).all()
-    if not rising or (len(ray) and not 0 <= ray[0] <= ray[-1] < count):
+    length = float(box.upper[axis] - box.lower[axis])
+    within = (lo >= 0.0).all() and (hi <= length).all()
+    if not rising or not within or (len(ray) and not 0 <= ray[0] <= ray[-1] < count):
         raise InputError(
-            f"stock file {file}: intervals of bundle {axis} must rise along rays 0 to {count - 1} without overlap"
+            f"stock file {file}: intervals of bundle {axis} must rise along rays 0 to {count - 1} without overlap, "
+            f"from 0 to {length:g} mm"
         )
     first = np.concatenate([[0], np.cumsum(np.bincount(ray, minlength=count))])
     return IntervalSet(first, lo, hi, columns["lo_tag"], columns["hi_tag"])

@@ -126,12 +126,43 @@ def test_files_that_are_no_stock_are_told(cut, tmp_path):
         (b'"version": 1', b'"version": 7', "version 7; this gearsim reads version 1"),
         (b'"rows": 1', b'"rows": 0', "of no operation"),
         (b'"pitch"', b'"step"', "'pitch' is missing"),
+        (b'"pitch": 0.5', b'"pitch": -2', "its box .* has another form"),
+        (b'"unit": "mm"', b'"unit": "inch"', "unit inch; expected mm"),
+        (b'"rotation": [[1.0', b'"rotation": [[2.0', "rotation = .* has another form"),
+        (b'"translation": [0.0, ', b'"translation": [', "translation = .* has another form"),
+        (b'"translation": [0.0', b'"translation": [NaN', "translation = .* has another form"),
+        (meta, b"{", "no JSON"),
+        (meta, b"[1]", "version None"),
     ):
+        assert old in meta
         pq.write_table(table.replace_schema_metadata({b"gearsim.stock": meta.replace(old, new)}), file)
         with pytest.raises(InputError, match=told):
             load_stock(file)
     pq.write_table(table.take(list(range(len(table)))[::-1]), file)
     with pytest.raises(InputError, match="must rise along rays"):
+        load_stock(file)
+
+
+@pytest.mark.parametrize(
+    ("name", "values", "told"),
+    [
+        ("bundle", lambda x: np.where(x == 1, 9, x).astype(np.int8), "bundles are 0, 2, 9"),
+        ("ray", lambda x: x + 0.5, "column ray of double"),
+        ("lo_mm", lambda x: x.astype(str), "column lo_mm of"),
+        ("lo_mm", lambda x: np.where(np.arange(len(x)) == 0, -1.0, x), "from 0 to"),
+        ("lo_tag", lambda x: np.minimum(x - 5, 0).astype(np.int32), "tag -6 is of no operation"),
+    ],
+)
+def test_columns_of_another_form_are_told(name, values, told, cut, tmp_path):
+    import pyarrow.parquet as pq
+
+    file = tmp_path / "stock.parquet"
+    save_stock(cut, file)
+    table = pq.read_table(file)
+    pq.write_table(
+        table.set_column(table.column_names.index(name), name, [values(table.column(name).to_numpy())]), file
+    )
+    with pytest.raises(InputError, match=told):
         load_stock(file)
 
 
