@@ -24,6 +24,7 @@ from gearsim.output.painting import reason
 from gearsim.output.programs import duration
 from gearsim.output.shapes import Classes, Shape
 from gearsim.output.whole_part import BLANK, seen_from
+from gearsim.programs.names import distinct
 from gearsim.simulation.operation import Operation
 from gearsim.simulation.stages import Stage, Way, axis_end, tip_end
 
@@ -32,15 +33,21 @@ _TOOL, _HOLDER = "#d8b26e", "#6b7480"
 
 
 def frames(way: Way, stages: Iterable[Stage]) -> Iterator[Frame]:
-    """A frame a stage: the part, its faces by the operation that made them, and the tool where it is then."""
+    """A frame a stage: the part, its faces by the operation that made them, and the tool where it is then.
+
+    Raises InputError where nothing is there to begin with.
+    """
+    earlier = [d.name for d in way.saved.done] if way.saved else []
     turned = [way.turning.name] if way.turning else []
-    names, past = (BLANK, *turned, *(o.name for o in way.operations)), 0.0
+    names, past = distinct([BLANK, *earlier, *turned, *(o.name for o in way.operations)]), 0.0
     for stage in stages:
         mesh = stage.contour.mesh
+        if stage.operation < 0 and not len(mesh.triangles):
+            raise InputError("stock: nothing of the blank is there to be cut" + " once it is turned" * bool(turned))
         made = Classes(stage.stock.operation_of(mesh.tag) + 1, names)
         shapes = [Shape("part", mesh.points, mesh.triangles, {_COLOURING: made}, smooth=False)]
         if stage.operation < 0:
-            yield Frame(shapes, f"the blank, {way.blank.volume:,.0f} mm3")
+            yield Frame(shapes, f"the blank{', turned' * bool(turned)}, {_volume(way, stage):,.0f} mm3")
             continue
         operation = way.operations[stage.operation]
         seconds = float(np.nansum(operation.seconds[: stage.rows]))
@@ -50,6 +57,11 @@ def frames(way: Way, stages: Iterable[Stage]) -> Iterator[Frame]:
         else:
             past += seconds
         yield Frame(shapes, text)
+
+
+def _volume(way: Way, stage: Stage) -> float:
+    """Of what it begins with [mm³]: exact where that is a solid."""
+    return float(np.mean(stage.stock.volumes)) if way.saved or way.turning else way.blank.volume
 
 
 def _text(way: Way, stage: Stage, seconds: float) -> str:

@@ -74,13 +74,20 @@ def _way(job: Job, options: argparse.Namespace, folder: Path) -> Way:
         blank = job.part.stock
         job = with_stock(job, StockTable(pitch_mm=1.0 if blank is None else _pitch(blank)), folder)
         asked = next(i for i in job.inspections if isinstance(i, StockInspection))
+    operations = asked.operations(job)
+    stops = even_stops(operations, options.frames - 1)
+    if asked.saved is not None:
+        if options.pitch_mm not in (None, asked.box.pitch):
+            raise InputError(
+                f"--pitch-mm {options.pitch_mm:g}: the saved stock's rays are {asked.box.pitch:g} mm apart, and it has "
+                "no others; leave the option out"
+            )
+        return Way(asked.blank, asked.box, operations, stops, asked.turning, asked.saved)
     pitch = options.pitch_mm or _pitch(asked.blank)
     narrowest = float(np.subtract(*asked.blank.box[::-1]).min())
     if not narrowest >= pitch:
         raise InputError(f"--pitch-mm {pitch:g}: the blank is only {narrowest:.4g} mm wide")
-    box = _box(asked.box, pitch)
-    operations = asked.operations(job)
-    return Way(asked.blank, box, operations, even_stops(operations, options.frames - 1), asked.turning)
+    return Way(asked.blank, _box(asked.box, pitch), operations, stops, asked.turning)
 
 
 def _pitch(blank: Solid) -> float:

@@ -12,8 +12,10 @@ from numpy.typing import NDArray
 from gearsim.geometry.solid import Solid
 from gearsim.simulation.contour.surface import Contour, contour
 from gearsim.simulation.dexels import DexelBox
+from gearsim.simulation.ends import Normals
 from gearsim.simulation.normals import EndNormals
 from gearsim.simulation.operation import Operation
+from gearsim.simulation.saved_blank import with_earlier
 from gearsim.simulation.stock import Done, Stock, blank_stock, cut_stock, turn_stock
 from gearsim.simulation.turning import Turning
 from gearsim.simulation.workshop import Workshop
@@ -35,7 +37,7 @@ class Way:
     """Operations done one after the other to a ``blank``, seen by the tri-dexel of a box, to be looked at in between.
 
     ``stops``: of each operation the rows, rising, after which it is looked at, the last of them all its rows.
-    ``turning`` comes before the first stage.
+    ``saved``: the stock in that box that they go on from, exactly. ``turning`` comes before the first stage.
     """
 
     blank: Solid
@@ -43,6 +45,7 @@ class Way:
     operations: Sequence[Operation]
     stops: Sequence[NDArray[np.integer]]
     turning: Turning | None = None
+    saved: Stock | None = None
 
     def __len__(self) -> int:
         """Stages, that of the blank included."""
@@ -50,11 +53,13 @@ class Way:
 
     def stages(self, workshop: Workshop) -> Iterator[Stage]:
         """Stage after stage, the blank first. Raises NumericalError where a status forbids trust."""
-        stock, makers = blank_stock(self.box, self.blank), list[Operation | Solid](self.operations)
+        stock, makers = self.saved or blank_stock(self.box, self.blank), list[Operation | Solid](self.operations)
         if self.turning:
             stock = turn_stock(stock, self.turning.kept, self.turning.name)
             makers.insert(0, self.turning.kept)
-        normals = EndNormals(self.blank, makers, workshop.device, workshop.tolerance)
+        normals: Normals = EndNormals(self.blank, makers, workshop.device, workshop.tolerance)
+        if self.saved:
+            normals = with_earlier(self.saved, normals)
         yield Stage(stock, contour(stock, normals), -1, 0)
         for number, (operation, stops) in enumerate(zip(self.operations, self.stops, strict=True)):
             before, done = stock.done, 0

@@ -1,6 +1,7 @@
 """``gearsim animate``: the cut as an animated picture, drawn aside."""
 
 import sys
+from argparse import Namespace
 
 import numpy as np
 import pytest
@@ -8,6 +9,11 @@ from PIL import Image
 
 from gearsim.cli import main
 from gearsim.output.colours import class_colours, rgb
+from gearsim.output.cutting import frames
+from gearsim.processes.animate import _way as way_of
+from gearsim.processes.run import plan
+from gearsim.scene import load_scene
+from gearsim.simulation.workshop import Workshop
 from tests.output.test_animation import shares
 
 ASKED = ["animate", "drill-grid", "--set", "stock.pitch_mm=2.3", "--pitch-mm", "2.3", "--frames", "7"]
@@ -52,3 +58,29 @@ def test_a_pitch_is_a_number(capsys):
     with pytest.raises(SystemExit):
         main(["animate", "drill-grid", "--pitch-mm", "fine"])
     assert "expected a number from 0.001 to 1000" in capsys.readouterr().err
+
+
+def test_a_saved_stock_is_seen_by_its_own_rays(tmp_path, capsys):
+    """Between them its surface is only joined, which is no body to send others through."""
+    stock = tmp_path / "stock.parquet"
+    only = ["--no-pictures", "--only", stock.name, "--out", str(tmp_path)]
+    assert main(["run", "drill-grid", "--set", "stock.pitch_mm=2.3", *only]) == 0
+    saved = ["--set", f'stock.blank={{kind="saved", file="{stock}"}}', "--set", "stock.pitch_mm=2.3"]
+    assert main(["animate", "drill-grid", *saved, "--pitch-mm", "2"]) == 2
+    assert "--pitch-mm 2: the saved stock's rays are 2.3 mm apart" in capsys.readouterr().err
+    job = plan(*load_scene("drill-grid", saved[1::2]))
+    way = way_of(job, Namespace(pitch_mm=None, frames=2), tmp_path)
+    first = next(iter(way.stages(Workshop("cpu"))))
+    assert first.stock is way.saved
+    frame = next(iter(frames(way, [first])))
+    assert frame.text == f"the blank, {np.mean(way.saved.volumes):,.0f} mm3"
+    names = frame.shapes[0].colours["operation"].names
+    assert names[:4] == ("blank", "through holes", "blind holes", "slot")
+    assert len(set(names)) == len(names) == 7
+
+
+def test_what_is_turned_away_is_no_picture(tmp_path, capsys):
+    turned = "stock.turning={outline_mm=[[200, -12], [235, -12], [235, 0], [200, 0]]}"
+    assert main([*ASKED, "--set", turned, "--out", str(tmp_path / "cut.webp")]) == 2
+    assert "nothing of the blank is there to be cut once it is turned" in capsys.readouterr().err
+    assert list(tmp_path.iterdir()) == []
