@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import base64
 import re
+from html import escape
 from math import isnan
 from pathlib import Path
 from typing import Any
@@ -108,14 +109,19 @@ def um(x: float | None) -> str:
 
 def table(head: list[str], rows: list[list[Any]]) -> str:
     lines = [head, ["---"] * len(head), *rows]
-    return "\n".join("| " + " | ".join(str(c) for c in row) + " |" for row in lines) + "\n"
+    return "\n".join("| " + " | ".join(map(_cell, row)) + " |" for row in lines) + "\n"
+
+
+def _cell(value: Any) -> str:
+    """A text that ends no cell: names are the user's."""
+    return " ".join(str(value).split("\n")).replace("|", "\\|")
 
 
 def _html(text: str, folder: Path, title: str, view: str) -> str:
-    """The Markdown as one HTML file with pictures and view inside."""
+    """The Markdown as one HTML file with pictures and view inside; tags in it, as of a user's names, are mere text."""
     from markdown_it import MarkdownIt
 
-    body = MarkdownIt("commonmark").enable("table").render(text)
+    body = MarkdownIt("commonmark", {"html": False}).enable("table").render(text)
 
     def inline(match: re.Match[str]) -> str:
         data = base64.b64encode((folder / match[1]).read_bytes()).decode()
@@ -123,9 +129,9 @@ def _html(text: str, folder: Path, title: str, view: str) -> str:
 
     body = re.sub(r'src="([\w.-]+\.png)"', inline, body)
     if view:
-        body = body.replace(VIEW_MARK, view) + viewer()
+        body = body.replace(f"<p>{escape(VIEW_MARK)}</p>", view) + viewer()
     return (
         '<!doctype html><html lang="en"><head><meta charset="utf-8">'
-        f'<meta name="viewport" content="width=device-width,initial-scale=1"><title>gearsim: {title}</title>'
+        f'<meta name="viewport" content="width=device-width,initial-scale=1"><title>gearsim: {escape(title)}</title>'
         f"<style>{_STYLE}</style></head><body>{body}</body></html>\n"
     )
