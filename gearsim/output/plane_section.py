@@ -15,6 +15,7 @@ from gearsim.output.run_folder import MeasuredGrid
 from gearsim.output.solid_files import SolidSurface
 
 _AXES = "xyz"
+_LARGEST = 1e9  # a number that a plane is written with
 
 
 @dataclass(frozen=True)
@@ -76,7 +77,7 @@ def read_plane(text: str) -> Plane:
             raise wrong
     except ValueError:
         raise wrong from None
-    length = float(np.linalg.norm(normal))
+    length = float(np.linalg.norm(normal)) if (np.abs([*normal, offset]) < _LARGEST).all() else np.nan
     if normal.shape != (3,) or not (np.isfinite([length, offset]).all() and length > 0.0):
         raise wrong
     return Plane(normal / length, offset, text)

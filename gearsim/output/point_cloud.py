@@ -19,11 +19,16 @@ def write_points(ends: Ends, stock: Stock, file: Path) -> None:
     Parquet and CSV hold the operations' names, PLY their numbers and the names as comments. Raises InputError for
     another ending, and where it cannot be written.
     """
-    write = _WRITERS.get(file.suffix.lower())
-    if write is None:
-        raise InputError(f"{file}: the name of a point cloud's file ends in {', '.join(_WRITERS)}")
+    require_cloud(file)
+    write = _WRITERS[file.suffix.lower()]
     with written(file, "points") as scratch:
         write(ends, stock, scratch)
+
+
+def require_cloud(file: Path) -> None:
+    """Raise InputError where a file's name ends in no format that a point cloud is written in."""
+    if file.suffix.lower() not in _WRITERS:
+        raise InputError(f"{file}: the name of a point cloud's file ends in {', '.join(_WRITERS)}")
 
 
 def _columns(ends: Ends, stock: Stock) -> dict[str, Column]:

@@ -26,11 +26,15 @@ def write_section(cut: Cut, file: Path) -> None:
 
     Raises InputError for another ending, and where it cannot be written.
     """
-    write = _WRITERS.get(file.suffix.lower())
-    if write is None:
-        raise InputError(f"{file}: the name of a section's file ends in {', '.join(_WRITERS)}")
+    require_section(file)
     with written(file, "section") as scratch:
-        write(cut, scratch)
+        _WRITERS[file.suffix.lower()](cut, scratch)
+
+
+def require_section(file: Path) -> None:
+    """Raise InputError where a file's name ends in no format that a section is written in."""
+    if file.suffix.lower() not in _WRITERS:
+        raise InputError(f"{file}: the name of a section's file ends in {', '.join(_WRITERS)}")
 
 
 def _write_csv(cut: Cut, file: Path) -> None:

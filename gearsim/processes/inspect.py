@@ -14,10 +14,10 @@ from gearsim.geometry.nearest import Span, span
 from gearsim.metrology.stock_check import StockInspection
 from gearsim.output.files import PART, STOCK
 from gearsim.output.plane_section import cut_part, read_plane, told
-from gearsim.output.point_cloud import write_points
+from gearsim.output.point_cloud import require_cloud, write_points
 from gearsim.output.run_folder import MeasuredGrid, RunFolder
 from gearsim.output.screen import print_line
-from gearsim.output.section_files import write_section
+from gearsim.output.section_files import require_section, write_section
 from gearsim.output.step import write_step
 from gearsim.processes.run import plan
 from gearsim.scene.loading import check_scene
@@ -25,9 +25,11 @@ from gearsim.simulation.ends import material_ends
 from gearsim.simulation.removal import open_device
 from gearsim.simulation.sequence import end_normals
 from gearsim.simulation.stock_file import load_stock
+from gearsim.surfaces.cad_file import STEP_SUFFIXES
 from gearsim.surfaces.fitted import Fitted, fit_grid, whole_block
 
 _DEVICE = "cpu"
+_FARTHEST = 1e6  # mm
 
 
 def inspect(options: argparse.Namespace) -> int:
@@ -35,11 +37,12 @@ def inspect(options: argparse.Namespace) -> int:
     run = RunFolder(options.run)
     asked = [(read_plane(plane), Path(file)) for plane, file in options.section]
     places = [(text, _places(text)) for text in options.distance]
+    _require_files([file for _, file in asked], options.points, options.step)
     if not (asked or places or options.points or options.step):
         for line in _there(run):
             print_line(line)
         return 0
-    part = run.part() if places or (asked and (run.folder / PART).exists()) else None
+    part = run.part() if places or (asked and ((run.folder / PART).exists() or not run.grids())) else None
     for plane, file in asked:
         cut = cut_part(plane, part, run.grids())
         write_section(cut, file)
@@ -54,6 +57,20 @@ def inspect(options: argparse.Namespace) -> int:
     return 0
 
 
+def _require_files(sections: list[Path], points: Path | None, step: Path | None) -> None:
+    """Raise InputError, before any is written, where a name ends in no format or two answers would be one file."""
+    for file in sections:
+        require_section(file)
+    if points is not None:
+        require_cloud(points)
+    if step is not None and step.suffix.lower() not in STEP_SUFFIXES:
+        raise InputError(f"--step {step}: the name of a STEP file ends in {', '.join(STEP_SUFFIXES)}")
+    named = [file.resolve() for file in (*sections, points, step) if file is not None]
+    twice = next((file for k, file in enumerate(named) if file in named[:k]), None)
+    if twice is not None:
+        raise InputError(f"{twice}: it is named twice; every answer has a file of its own")
+
+
 def _distance(found: Span, first: NDArray, second: NDArray) -> str:
     one, other = (float(np.linalg.norm(a - b)) for a, b in ((found.first, first), (found.second, second)))
     return (
@@ -65,11 +82,14 @@ def _distance(found: Span, first: NDArray, second: NDArray) -> str:
 def _places(text: str) -> NDArray:
     try:
         places = np.array([[float(x) for x in place.split(",")] for place in text.split()])
-        if places.shape == (2, 3) and np.isfinite(places).all():
+        if places.shape == (2, 3) and (np.abs(places) < _FARTHEST).all():
             return places
     except ValueError:
         pass
-    raise InputError(f"--distance {text!r}: expected two places in mm, such as '13,8,-6 27,8,-6'")
+    raise InputError(
+        f"--distance {text!r}: expected two places in mm, each coordinate below {_FARTHEST:g}, such as "
+        "'13,8,-6 27,8,-6'"
+    )
 
 
 def _there(run: RunFolder) -> Iterator[str]:

@@ -196,7 +196,8 @@ def test_borders_without_samples_are_left_out():
 
 
 @pytest.mark.parametrize(
-    "text", ["z", "w=3", "z=high", "n=1,0;d=2", "n=0,0,0;d=2", "n=1,0,0", "z=inf", "n=1,0,nan;d=1"]
+    "text",
+    ["z", "w=3", "z=high", "n=1,0;d=2", "n=0,0,0;d=2", "n=1,0,0", "z=inf", "n=1,0,nan;d=1", "n=1e308,1e308,0;d=4"],
 )
 def test_planes_that_are_none_are_refused(text, plate, capsys):
     assert main(["inspect", str(plate), "--section", text, "cut.svg"]) == 2
@@ -221,8 +222,17 @@ def test_what_is_not_there_is_said(plate, tooth, tmp_path, capsys, monkeypatch):
     assert "ends in .svg, .pdf, .png, .csv, .vtp" in told(plate, "--section", "z=-5", tmp_path / "cut.dxf")
     assert "ends in .parquet, .csv, .ply" in told(plate, "--points", tmp_path / "ends.xyz")
     assert "expected two places in mm" in told(plate, "--distance", "1,2,3")
+    assert "each coordinate below 1e+06" in told(plate, "--distance", "1e300,0,0 0,0,0")
+    first = ("--section", "z=-5", tmp_path / "cut.svg")
+    assert "the name of a STEP file ends in .stp, .step" in told(plate, *first, "--step", tmp_path / "tooth.igs")
+    assert "ends in .parquet, .csv, .ply" in told(plate, *first, "--points", tmp_path / "ends.xyz")
+    assert "cut.svg: it is named twice" in told(plate, *first, *first)
+    assert not (tmp_path / "cut.svg").exists()
     assert "holds no samples of surfaces measured on grids" in told(plate, "--step", tmp_path / "tooth.step")
     assert "holds no part.vtp: its scene has no [stock]" in told(tooth, "--distance", "1,2,3 4,5,6")
+    (bare := tmp_path / "bare").mkdir()
+    (bare / "report.json").write_text((tooth / "report.json").read_text())
+    assert "holds no part.vtp: its scene has no [stock]" in told(bare, "--section", "z=-5", tmp_path / "cut.svg")
     assert "holds no stock.parquet: its scene has no [stock]" in told(tooth, "--points", tmp_path / "ends.ply")
     monkeypatch.setattr("gearsim.output.step.find_spec", lambda _: None)
     assert "needs Open CASCADE: install gearsim[cad]" in told(tooth, "--step", tmp_path / "tooth.step")
