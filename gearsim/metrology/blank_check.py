@@ -13,10 +13,13 @@ from gearsim.metrology.samples import SampleGrid
 from gearsim.surfaces.part import Part, Tolerance
 
 
-def outside(grid: SampleGrid, tolerance: Tolerance | None, blank: Solid, copies: int, part: Part) -> Iterator[Finding]:
+def outside(
+    grid: SampleGrid, tolerance: Tolerance | None, blank: Solid, copies: int, part: Part, known_to: float = 0.0
+) -> Iterator[Finding]:
     """The point of an intended surface, and of its ``copies`` about the z axis, that a blank misses by most.
 
-    Nothing is said of a surface without a tolerance, nor of what lies within it.
+    Nothing is said of a surface without a tolerance, nor of what lies within it, or within what the blank's own surface
+    is ``known_to`` [mm].
     """
     if tolerance is None:
         return
@@ -32,5 +35,5 @@ def outside(grid: SampleGrid, tolerance: Tolerance | None, blank: Solid, copies:
         return
     off = solid.signed_distance(points)
     worst = int(np.argmax(off))
-    if off[worst] > 0.0 and not tolerance.allows(-1e3 * float(off[worst])):
+    if off[worst] > known_to and not tolerance.allows(-1e3 * float(off[worst])):
         yield beyond_the_blank(part, grid.patch.name, points[worst], -1e3 * float(off[worst]))

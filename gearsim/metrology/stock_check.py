@@ -134,8 +134,8 @@ class StockInspection:
         ends = cut_ends(machined.stock)
         for intended in job.part.surfaces.values():
             grid = sample_grid(intended.patch, _ROWS, _COLUMNS, _MARGIN)
-            for blank in (self.blank, *([self.turning.kept] if self.turning else [])):
-                findings += outside(grid, intended.tolerance, blank, self.copies, job.part)
+            for blank, known_to in self._begun_with():
+                findings += outside(grid, intended.tolerance, blank, self.copies, job.part, known_to)
             if self.intended is None:
                 surfaces.append(near_surface(grid, ends, self.spaces))
                 findings += list(_judged(surfaces[-1], intended.tolerance, job))
@@ -154,7 +154,7 @@ class StockInspection:
         )  # fmt: skip
         if self.intended is None:
             doubts = _none_near(surfaces, job)
-            return Reading((measured,), tuple(findings), doubts, remarks=(self._said(),) if self.copies > 1 else ())
+            return Reading((measured,), tuple(findings), doubts, remarks=self._remarks())
         judged = tuple(self.intended.tolerances)
         return Reading((measured,), tuple(findings), doubts, judged, one_road(self.intended, job.part))
 
@@ -164,6 +164,28 @@ class StockInspection:
         x, y, z = (a - b for a, b in zip(machined.blank_volumes, machined.turned_volumes, strict=True))
         seconds = None if self.turning.rate is None else 60.0 * (x + y + z) / 3.0 / self.turning.rate
         return TurnedFigures(self.turning.name, (x, y, z), seconds)
+
+    def _begun_with(self) -> Iterator[tuple[Solid, float]]:
+        """The solids that must hold the part's surfaces, and what their own are known to [mm].
+
+        A saved stock's is joined between rays. Where a solid is intended, all its ends are held against that: no more
+        is known.
+        """
+        if self.saved is None:
+            yield self.blank, 0.0
+        elif self.intended is None:
+            yield self.blank, self._cell
+        if self.turning:
+            yield self.turning.kept, 0.0
+
+    @property
+    def _cell(self) -> float:
+        """From corner to corner of a cell [mm]."""
+        return 3.0**0.5 * self.box.pitch
+
+    def _remarks(self) -> tuple[str, ...]:
+        saved = f"whether the saved stock holds the surfaces to be cut is known to {self._cell:.3g} mm alone"
+        return (*[self._said()] * (self.copies > 1), *[saved] * (self.saved is not None))
 
     def _said(self) -> str:
         which = "one sector of them is" if isinstance(self.blank, Wedge) else "beside one they are"

@@ -1,5 +1,7 @@
 """A blank that does not hold the part, or differs from the part's own."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -12,6 +14,7 @@ from gearsim.metrology.stock_surfaces import SurfaceFigures, cut_ends, near_surf
 from gearsim.processes.run import plan
 from gearsim.scene import load_scene
 from gearsim.scene.stock import CylinderTable
+from gearsim.simulation.saved_blank import saved_solid
 from gearsim.simulation.stock import blank_stock
 
 BAR = 'stock.blank={kind="cylinder", diameter_mm=180.0, bottom_mm=-10.0, top_mm=60.0}'
@@ -27,9 +30,9 @@ def bar(diameter, bottom, top):
     return CylinderTable(kind="cylinder", diameter_mm=diameter, bottom_mm=bottom, top_mm=top).build()
 
 
-def found(job, blank, copies=1):
+def found(job, blank, copies=1, known_to=0.0):
     flank = job.part.surfaces["convex"]
-    return list(outside(sample_grid(flank.patch, 9, 9, 0.01), flank.tolerance, blank, copies, job.part))
+    return list(outside(sample_grid(flank.patch, 9, 9, 0.01), flank.tolerance, blank, copies, job.part, known_to))
 
 
 def test_the_part_s_own_blank_and_a_bar_around_it_hold_all_surfaces():
@@ -45,6 +48,21 @@ def test_a_blank_too_small_fails_by_as_much_as_is_missing():
     assert told.fails
     assert told.kind == "beyond_the_blank"
     assert told.depth_um == pytest.approx(-1e3 * (told.place_mm[2] - 20.0))
+
+
+def test_a_saved_stock_lacks_what_it_misses_by_more_than_a_cell():
+    """Its surface is joined between rays: within a cell nothing is known, and that is said."""
+    job, asked = planned()
+    whole, thin = (blank_stock(asked.box, solid) for solid in (asked.blank, bar(80.0, -40.0, 60.0)))
+    again = replace(asked, saved=whole, blank=saved_solid(whole, "whole"))
+    ((solid, known_to),) = again._begun_with()
+    assert known_to == pytest.approx(3.0**0.5 * 8.0)
+    assert found(job, solid)  # as if it were exact
+    assert found(job, solid, known_to=known_to) == []
+    assert found(job, saved_solid(thin, "thin"), known_to=known_to)
+    assert again._remarks() == ("whether the saved stock holds the surfaces to be cut is known to 13.9 mm alone",)
+    assert asked._remarks() == ()
+    assert list(replace(again, intended=object())._begun_with()) == []  # all its ends are held against that
 
 
 def test_a_blank_that_nothing_cuts_near_a_judged_surface_is_not_judged():
