@@ -54,7 +54,8 @@ class HolderInspection:
 
     ``box``: where the stock's rays lie close. ``stock``: what it is cut from (None: the part's own). Of surfaces
     without a stock the intended material counts. Less than a micrometre on a ray does not: a shank as wide as its
-    cutter rubs along the wall. ``copies``: how often the variant is done, the part indexed about its axis.
+    cutter rubs along the wall. ``copies``: how often the variant is done, the part indexed about its axis. ``turned``:
+    what the stock is turned to first.
     """
 
     variant: str
@@ -62,6 +63,7 @@ class HolderInspection:
     box: DexelBox | None = None
     stock: Solid | None = None
     copies: int = 1
+    turned: Solid | None = None
     name: str = "holders"
 
     def steps(self, job: Job) -> Steps[Reading]:
@@ -85,7 +87,8 @@ class HolderInspection:
         box = [self.box.rays(axis) for axis in range(3)] if self.box else []
         every = join_rays([*rays, *box, blank_rays(stock)])
         known = np.isfinite(every.origin).all(axis=1) & np.isfinite(every.direction).all(axis=1)
-        return stock_chords(stock, every.part(known), _SEEN_MM)
+        chords = stock_chords(stock, every.part(known), _SEEN_MM)
+        return chords if self.turned is None else stock_chords(self.turned, chords, _SEEN_MM)
 
 
 @dataclass(frozen=True)

@@ -69,7 +69,7 @@ def plan(scene: FacedScene, folder: Path) -> Job:
         part=Part(FRAME, None, {name: Intended(faces[name], intended.tolerances[name]) for name in machined}),
         variants=(Variant(PROGRAM, "all operations in sequence", made), *own),
         main=PROGRAM,
-        inspections=(*_along_normals(scene, own), asked, *_held(scene, box, turning.kept if turning else blank)),
+        inspections=(*_along_normals(scene, own), asked, *_held(scene, box, blank, turning.kept if turning else None)),
         settings=settings(scene),
         notes=given.told,
         scene=scene_table(scene),
@@ -97,8 +97,8 @@ def _along_normals(scene: FacedScene, own: Sequence[Variant]) -> Iterator[Inspec
         )  # fmt: skip
 
 
-def _held(scene: FacedScene, box: DexelBox, blank: Solid) -> tuple[Inspection, ...]:
-    return (HolderInspection(PROGRAM, (), box, blank),) if scene.holders() else ()
+def _held(scene: FacedScene, box: DexelBox, blank: Solid, turned: Solid | None) -> tuple[Inspection, ...]:
+    return (HolderInspection(PROGRAM, (), box, blank, turned=turned),) if scene.holders() else ()
 
 
 def _operation(scene: FacedScene, k: int, ways: list[Way]) -> Operation:

