@@ -64,10 +64,10 @@ def test_a_saved_stock_is_seen_by_its_own_rays(tmp_path, capsys):
     """Between them its surface is only joined, which is no body to send others through."""
     stock = tmp_path / "stock.parquet"
     only = ["--no-pictures", "--only", stock.name, "--out", str(tmp_path)]
-    assert main(["run", "drill-grid", "--set", "stock.pitch_mm=2.3", *only]) == 0
-    saved = ["--set", f'stock.blank={{kind="saved", file="{stock}"}}', "--set", "stock.pitch_mm=2.3"]
-    assert main(["animate", "drill-grid", *saved, "--pitch-mm", "2"]) == 2
-    assert "--pitch-mm 2: the saved stock's rays are 2.3 mm apart" in capsys.readouterr().err
+    assert main(["run", "drill-grid", "--set", "stock.pitch_mm=2.0", *only]) == 0
+    saved = ["--set", f'stock.blank={{kind="saved", file="{stock}"}}', "--set", "stock.pitch_mm=2.0"]
+    assert main(["animate", "drill-grid", *saved, "--pitch-mm", "2.3"]) == 2
+    assert "--pitch-mm 2.3: the saved stock's rays are 2 mm apart" in capsys.readouterr().err
     job = plan(*load_scene("drill-grid", saved[1::2]))
     way = way_of(job, Namespace(pitch_mm=None, frames=2), tmp_path)
     first = next(iter(way.stages(Workshop("cpu"))))
@@ -77,6 +77,8 @@ def test_a_saved_stock_is_seen_by_its_own_rays(tmp_path, capsys):
     names = frame.shapes[0].colours["operation"].names
     assert names[:4] == ("blank", "through holes", "blind holes", "slot")
     assert len(set(names)) == len(names) == 7
+    y, z = (k.ravel() for k in np.meshgrid(np.arange(0.013, 40.0, 0.2), np.arange(-11.987, 0.0, 0.2)))
+    way.blank.chords(np.column_stack([0.0 * y - 5.0, y, z]), np.tile([1.0, 0.0, 0.0], (len(y), 1)))  # none is refused
 
 
 def test_what_is_turned_away_is_no_picture(tmp_path, capsys):

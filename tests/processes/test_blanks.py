@@ -115,8 +115,6 @@ def test_a_saved_stock_has_its_own_pitch_and_box(whole, tmp_path):
     lower, upper = given.solid.box
     assert np.allclose([lower, upper], PLATE, atol=1.0)  # a cell
     assert given.top == 0.0
-    y, z = (k.ravel() for k in np.meshgrid(np.arange(0.05, 40.0, 0.25), np.arange(-11.95, 0.0, 0.25)))
-    given.solid.chords(np.column_stack([0.0 * y - 5.0, y, z]), np.tile([1.0, 0.0, 0.0], (len(y), 1)))  # none is refused
     assert given.solid.contains(np.array([[30.0, 12.0, -6.0], [10.0, 8.0, -6.0]])).tolist() == [True, False]
     with pytest.raises(InputError, match=r"stock.pitch_mm = 2: stock.parquet was saved with 1; leave the key out"):
         given_blank(StockTable(pitch_mm=2.0, blank={"kind": "saved", "file": "stock.parquet"}), tmp_path)
