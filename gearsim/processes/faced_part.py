@@ -13,18 +13,15 @@ from numpy.typing import NDArray
 from gearsim.cutters.profile import Profile
 from gearsim.geometry.solid import Solid
 from gearsim.metrology.grid import GridInspection
-from gearsim.metrology.holder_check import HolderInspection
 from gearsim.metrology.inspection import Inspection
 from gearsim.metrology.job import Job
-from gearsim.metrology.stock_check import StockInspection
 from gearsim.motion.sources import CLMotion
 from gearsim.processes.blanks import given_blank
 from gearsim.processes.settings import settings
-from gearsim.processes.solid_part import PROGRAM, in_order, straight_moves
+from gearsim.processes.solid_part import PROGRAM, in_order, straight_moves, whole_inspections
 from gearsim.programs.cldata import RAPID, CLPath, assemble
 from gearsim.scene import FacedScene, scene_table
 from gearsim.scene.faced_part import AnyOperation, LayersTable, PassesTable, unit
-from gearsim.simulation.dexels import DexelBox
 from gearsim.simulation.operation import Operation, Variant, operation
 from gearsim.surfaces.faced_solid import FacedPart
 from gearsim.surfaces.part import Intended, Part
@@ -47,21 +44,9 @@ class Way(NamedTuple):
 def plan(scene: FacedScene, folder: Path) -> Job:
     """Load the part, a file of ``folder`` or a shipped one, and lay the operations' paths."""
     given, intended = given_blank(scene.stock, folder), scene.part(folder)
-    blank = given.solid
-    ways = [list(_ways(operation, intended, blank, scene)) for operation in scene.operations]
+    ways = [list(_ways(operation, intended, given.solid, scene)) for operation in scene.operations]
     made = tuple(in_order(_operation(scene, k, found) for k, found in enumerate(ways)))
     own = tuple(_own_passes(scene, made, ways))
-    turning = scene.stock.turning.build(None) if scene.stock.turning else None
-    box = given.box(scene.stock.pitch_mm, others=[intended.body])
-    asked = StockInspection(
-        PROGRAM,
-        blank,
-        box,
-        rapid_mm_min=scene.stock.rapid_mm_min,
-        intended=intended,
-        saved=given.saved,
-        turning=turning,
-    )
     faces = {face.name: face for face in intended.body.faces}
     machined = [face.name for face in scene.surface.faces]
     return Job(
@@ -69,7 +54,7 @@ def plan(scene: FacedScene, folder: Path) -> Job:
         part=Part(FRAME, None, {name: Intended(faces[name], intended.tolerances[name]) for name in machined}),
         variants=(Variant(PROGRAM, "all operations in sequence", made), *own),
         main=PROGRAM,
-        inspections=(*_along_normals(scene, own), asked, *_held(scene, box, blank, turning.kept if turning else None)),
+        inspections=(*_along_normals(scene, own), *whole_inspections(scene, given, intended)),
         settings=settings(scene),
         notes=given.told,
         scene=scene_table(scene),
@@ -95,10 +80,6 @@ def _along_normals(scene: FacedScene, own: Sequence[Variant]) -> Iterator[Inspec
             face.name, (PROGRAM, *passes), passes, m.rows, m.columns, m.margin, judged=(PROGRAM,),
             last="" if passes else LAST,
         )  # fmt: skip
-
-
-def _held(scene: FacedScene, box: DexelBox, blank: Solid, turned: Solid | None) -> tuple[Inspection, ...]:
-    return (HolderInspection(PROGRAM, (), box, blank, turned=turned),) if scene.holders() else ()
 
 
 def _operation(scene: FacedScene, k: int, ways: list[Way]) -> Operation:

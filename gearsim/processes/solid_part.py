@@ -9,14 +9,17 @@ from pathlib import Path
 import numpy as np
 
 from gearsim.metrology.holder_check import HolderInspection
+from gearsim.metrology.inspection import Inspection
 from gearsim.metrology.job import Job
 from gearsim.metrology.stock_check import StockInspection
 from gearsim.motion.sources import CLMotion
-from gearsim.processes.blanks import given_blank
+from gearsim.processes.blanks import Given, given_blank
 from gearsim.processes.settings import settings
 from gearsim.scene import scene_table
-from gearsim.scene.solid_part import DrillTable, MillTable, SolidScene
+from gearsim.scene.solid_part import DrillTable, MillTable, SequenceScene, SolidScene
 from gearsim.simulation.operation import Operation, Variant, operation
+from gearsim.surfaces.faced_solid import FacedPart
+from gearsim.surfaces.machined_solid import MachinedSolid
 from gearsim.surfaces.part import Part
 from gearsim.toolpaths.counts import check_count
 from gearsim.toolpaths.straight import Move, drilled, from_above, milled
@@ -27,28 +30,38 @@ PROGRAM = "program"
 
 def plan(scene: SolidScene, folder: Path) -> Job:
     """Lay the operations' paths; the tool comes by rapid from the top of the blank and goes back there."""
-    table = scene.stock
-    given = given_blank(table, folder)
-    blank = given.solid
-    top = given.top
-    program = Variant(PROGRAM, "all operations in sequence", tuple(in_order(_operations(scene, top))))
-    intended = scene.part()
-    turning = table.turning.build(None) if table.turning else None
-    turned = turning.kept if turning else None
-    box = given.box(table.pitch_mm, others=[intended.body])
-    asked = StockInspection(
-        PROGRAM, blank, box, rapid_mm_min=table.rapid_mm_min, intended=intended, saved=given.saved, turning=turning
-    )
+    given = given_blank(scene.stock, folder)
     return Job(
         name=scene.name,
         part=Part(FRAME, None, {}),
-        variants=(program,),
+        variants=(Variant(PROGRAM, "all operations in sequence", tuple(in_order(_operations(scene, given.top)))),),
         main=PROGRAM,
-        inspections=(asked, HolderInspection(PROGRAM, (), box, blank, turned=turned)) if scene.holders() else (asked,),
+        inspections=whole_inspections(scene, given, scene.part()),
         settings=settings(scene),
         scene=scene_table(scene),
         notes=given.told,
     )
+
+
+def whole_inspections(
+    scene: SequenceScene, given: Given, intended: MachinedSolid | FacedPart
+) -> tuple[Inspection, ...]:  # fmt: skip
+    """The whole stock against an intended solid, and what stands above the tools' flutes against the stock."""
+    table = scene.stock
+    turning = table.turning.build(None) if table.turning else None
+    box = given.box(table.pitch_mm, others=[intended.body])
+    asked = StockInspection(
+        PROGRAM,
+        given.solid,
+        box,
+        rapid_mm_min=table.rapid_mm_min,
+        intended=intended,
+        saved=given.saved,
+        turning=turning,
+    )
+    turned = turning.kept if turning else None
+    held = (HolderInspection(PROGRAM, (), box, given.solid, turned=turned),) if scene.holders() else ()
+    return asked, *held
 
 
 def _operations(scene: SolidScene, top: float) -> Iterator[Operation]:
