@@ -67,7 +67,7 @@ def _add(view: Any, shape: Shape, colouring: str) -> None:
         return
     parts = {shape.plain: shape.triangles}
     if isinstance(how, Classes):
-        of_class = np.array(class_colours(len(how.names)))[how.number]
+        of_class = np.array(class_colours(how.names))[how.number]
         parts = {colour: shape.triangles[of_class == colour] for colour in np.unique(of_class)}
     for colour, triangles in parts.items():
         if len(triangles):
@@ -80,7 +80,7 @@ def _add_key(view: Any, shapes: Sequence[Shape], colouring: str) -> float:
     if how is None:
         return add_legend(view, {shape.name: shape.plain for shape in shapes})
     if isinstance(how, Classes):
-        return add_legend(view, dict(zip(how.names, class_colours(len(how.names)), strict=True)))
+        return add_legend(view, dict(zip(how.names, class_colours(how.names), strict=True)))
     if how.low == -how.high:
         add_colours(view, how.high, f"{colouring} [{how.unit}]")
         return FOOT

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import itertools
+from collections.abc import Sequence
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -14,6 +17,8 @@ OUT = "#b5179e"  # a number beyond its tolerance
 GOUGE = "#7b3fa0"  # where, and in which directions, a tool gouges; overcut has its own colour
 FIRST, SECOND = "#b5752a", "#3f7f6b"  # of two flanks
 DARK = "#000000"  # where there is no value
+STEEL = "#b8bec6"
+BLANK = "blank"  # the name of what nothing has cut
 
 _ANCHORS = (
     "#053061", "#2166ac", "#4393c3", "#92c5de", "#d1e5f0", "#f7f7f7", "#fddbc7", "#f4a582", "#d6604d", "#b2182b",
@@ -42,9 +47,13 @@ def shades(name: str, steps: int = 33) -> list[str]:
     return ["#" + "".join(f"{round(255.0 * float(c)):02x}" for c in shade) for shade in colours]
 
 
-def class_colours(count: int) -> list[str]:
-    """So many colours for classes, as #rrggbb; they begin anew after ten."""
-    return [_OF_CLASSES[k % len(_OF_CLASSES)] for k in range(count)]
+def class_colours(names: Sequence[str]) -> list[str]:
+    """A colour for each class, as #rrggbb, what nothing has cut being steel; they begin anew after ten.
+
+    So an operation has one colour in every picture, whether or not the blank is named before it.
+    """
+    of_classes = itertools.cycle(_OF_CLASSES)
+    return [STEEL if name == BLANK else next(of_classes) for name in names]
 
 
 def _between(colours: tuple[str, ...], shares: NDArray) -> NDArray:

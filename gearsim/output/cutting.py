@@ -17,13 +17,14 @@ import numpy as np
 
 from gearsim.errors import InputError, written
 from gearsim.output.animation import Frame, write_animation
+from gearsim.output.colours import BLANK
 from gearsim.output.draw_swept import tool_skin
 from gearsim.output.layers import outline
 from gearsim.output.meshes import points_of, triangles_of
 from gearsim.output.painting import reason
 from gearsim.output.programs import duration
 from gearsim.output.shapes import Classes, Shape
-from gearsim.output.whole_part import BLANK, seen_from
+from gearsim.output.whole_part import seen_from
 from gearsim.programs.names import distinct
 from gearsim.simulation.operation import Operation
 from gearsim.simulation.stages import Stage, Way, axis_end, tip_end

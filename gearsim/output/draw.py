@@ -8,10 +8,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gearsim.output.canvas import Canvas, add_mesh
-from gearsim.output.colours import DARK
+from gearsim.output.colours import DARK, STEEL
 from gearsim.output.meshes import joined, mesh, points_of, quads, run, segments
 from gearsim.output.slot import from_tip_to_tip, machined, place, seams
-from gearsim.output.view import STEEL, Look, add_legend, add_name, aim, aim_alike
+from gearsim.output.view import Look, add_legend, add_name, aim, aim_alike
 
 COLOURS = {"convex": "#e09f3e", "concave": "#4f8f79"}  # of passes; not those of overcut and excess
 _SIDES = (("convex", "concave"), ("concave", "convex"))

@@ -8,11 +8,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gearsim.output.canvas import Canvas, add_mesh
-from gearsim.output.colours import DARK
+from gearsim.output.colours import DARK, STEEL
 from gearsim.output.draw import COLOURS, into_slot
 from gearsim.output.meshes import points_of, quads, segments
 from gearsim.output.slot import place
-from gearsim.output.view import STEEL, Look, add_legend, add_name, aim_alike
+from gearsim.output.view import Look, add_legend, add_name, aim_alike
 
 _NAMED = {**COLOURS, "left": COLOURS["convex"], "right": COLOURS["concave"]}
 _TURNS = 97  # places about a tool

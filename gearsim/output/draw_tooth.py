@@ -8,10 +8,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gearsim.output.canvas import Canvas, add_map, add_mesh
+from gearsim.output.colours import STEEL
 from gearsim.output.draw import onto
 from gearsim.output.meshes import joined, points_of, quads
 from gearsim.output.slot import from_tip_to_tip, machined, place, seams
-from gearsim.output.view import DEVIATION, STEEL, Look, add_colours, add_name, aim_alike
+from gearsim.output.view import DEVIATION, Look, add_colours, add_name, aim_alike
 
 _NEIGHBOURS = 1
 _COLUMNS = 33

@@ -119,7 +119,7 @@ def _legend(name: str, colouring: Colouring) -> dict[str, Any]:
     if isinstance(colouring, Values):
         return {"name": name, "low": colouring.low, "high": colouring.high, "unit": colouring.unit,
                 "scale": shades(colouring.palette)}  # fmt: skip
-    colours = class_colours(len(colouring.names))
+    colours = class_colours(colouring.names)
     return {"name": name, "classes": [list(pair) for pair in zip(colouring.names, colours, strict=True)]}
 
 

@@ -102,7 +102,7 @@ def _draw(axis: Any, cut: Cut, u: NDArray, v: NDArray) -> None:
         outline = Outline.make_compound_path(*(Outline(np.concatenate([p, p[:1]]), closed=True) for p in loops))
         axis.add_patch(PathPatch(outline, fc=_MATERIAL, ec=_OUTLINE, lw=0.8, label=f"as cut, {cut.area:.6g} mm²"))
     names = list(dict.fromkeys(c.name for c in cut.curves if c.kind == "intended"))
-    colours, told = class_colours(len(names)), set()
+    colours, told = class_colours(names), set()
     for c in (c for c in cut.curves if not c.closed):
         called, colour, width = "as machined", _OUTLINE, 2.4
         if c.kind == "intended":

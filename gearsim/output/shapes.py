@@ -9,7 +9,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from gearsim.output.view import STEEL
+from gearsim.output.colours import STEEL
 
 
 @dataclass(frozen=True)

@@ -16,7 +16,6 @@ from gearsim.output.colours import diverging, rgb
 from gearsim.output.meshes import mesh
 from gearsim.output.rounding import round_below
 
-STEEL = "#b8bec6"
 DEVIATION = "deviation [um], + material left"
 _ROOM = 1.12  # about what is seen
 FOOT = 0.16  # of the view's height, for legend, scales and bars

@@ -8,12 +8,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gearsim.output.canvas import Canvas, add_map, add_mesh
-from gearsim.output.colours import class_colours
+from gearsim.output.colours import BLANK, STEEL, class_colours
 from gearsim.output.meshes import mesh
 from gearsim.output.shapes import Classes, Colouring, Shape, Values
-from gearsim.output.view import DEVIATION, STEEL, Look, add_colours, add_legend, aim_alike
+from gearsim.output.view import DEVIATION, Look, add_colours, add_legend, aim_alike
 
-BLANK = "blank"
 _WAY = np.array([0.55, -0.6, 0.75])
 _GONE = "nothing of the blank is left"
 _MOST_NAMES = 8  # of a legend
@@ -67,7 +66,7 @@ def draw_whole(data: dict[str, NDArray], _: dict[str, Any], canvas: Canvas) -> N
         aim_alike([Look(view, np.eye(3), *looked_at(data), _GONE) for view in (left, right)])
         return
     names, operation = [BLANK, *map(str, data["whole:names"])], data["whole:operation"] + 1
-    colours = [STEEL, *class_colours(len(names) - 1)]
+    colours = class_colours(names)
     for k, colour in enumerate(colours):
         own = triangles[operation == k]
         if len(own):

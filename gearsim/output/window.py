@@ -11,10 +11,10 @@ import numpy as np
 
 from gearsim.errors import InputError, is_file, is_folder, read_input
 from gearsim.output.canvas import colour_by, colour_table, with_normals
-from gearsim.output.colours import DARK, rgb
+from gearsim.output.colours import DARK, STEEL, rgb
 from gearsim.output.files import LAST, MESHES
 from gearsim.output.meshes import run, values_of
-from gearsim.output.view import DEVIATION, STEEL
+from gearsim.output.view import DEVIATION
 
 _SIZE = (1200, 800)
 _WITHOUT_SCREEN = ("vtkEGLRenderWindow", "vtkOSOpenGLRenderWindow")  # what VTK makes where it finds no screen

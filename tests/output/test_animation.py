@@ -3,9 +3,8 @@ import pytest
 from PIL import Image
 
 from gearsim.output.animation import Frame, write_animation
-from gearsim.output.colours import class_colours, diverging, rgb
+from gearsim.output.colours import STEEL, class_colours, diverging, rgb
 from gearsim.output.shapes import Classes, Shape, Values
-from gearsim.output.view import STEEL
 
 PLATE = np.array([[0.0, 0.0, 0.0], [4.0, 0.0, 0.0], [4.0, 4.0, 0.0], [0.0, 4.0, 0.0]])
 BOTH = np.array([[0, 1, 2], [0, 2, 3]])
@@ -30,7 +29,11 @@ def shares(file, colour):
 
 @pytest.mark.parametrize(
     ("colouring", "colour"),
-    [("deviation", diverging(np.array([1.0]))[0]), ("operation", rgb(class_colours(2)[1])), ("", rgb(STEEL))],
+    [
+        ("deviation", diverging(np.array([1.0]))[0]),
+        ("operation", rgb(class_colours(("rough", "finish"))[1])),
+        ("", rgb(STEEL)),
+    ],
 )
 def test_frames_show_what_is_left_under_one_look(tmp_path, colouring, colour):
     file = tmp_path / "cut.webp"

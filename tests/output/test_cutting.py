@@ -8,7 +8,7 @@ import pytest
 from PIL import Image
 
 from gearsim.cli import main
-from gearsim.output.colours import class_colours, rgb
+from gearsim.output.colours import BLANK, class_colours, rgb
 from gearsim.output.cutting import frames
 from gearsim.processes.animate import _way as way_of
 from gearsim.processes.run import plan
@@ -25,7 +25,10 @@ def test_the_cut_is_seen_to_go_on(tmp_path, capsys):
     told = capsys.readouterr().out
     assert f"{file}: " in told
     assert " frames of 3 operations, " in told
-    blank, holes, _, slot = (np.array([s for s, _ in shares(file, rgb(c))]) for c in class_colours(4))
+    blank, holes, _, slot = (
+        np.array([s for s, _ in shares(file, rgb(c))])
+        for c in class_colours((BLANK, "through holes", "blind holes", "slot"))
+    )
     picture = Image.open(file)
     assert f"{file}: {picture.n_frames} frames" in told
     assert blank[0] > 0.1

@@ -6,13 +6,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from gearsim.output.colours import class_colours, shades
+from gearsim.output.colours import STEEL, class_colours, shades
 from gearsim.output.interactive import MOST, interactive_view, viewer
 from gearsim.output.meshes import quads
 from gearsim.output.part_view import part_view
 from gearsim.output.shapes import Classes, Shape, Values
 from gearsim.output.thinning import thinned, thinned_together
-from gearsim.output.view import STEEL
 from tests.output.browser import needs_chromium, opened, share_in_hue
 
 SQUARE = np.array([[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 1.0, 0.0]])
@@ -203,10 +202,10 @@ def test_chromium_shows_colours_classes_and_sections_filled(tmp_path):
     assert all(share > 0.01 for share in in_first.values()), in_first
     missing = (upper.max(axis=-1) < 0.05).mean()
     assert missing > 0.01
-    in_second = {colour: share_in_hue(lower, colour) for colour in class_colours(2)}
+    in_second = {colour: share_in_hue(lower, colour) for colour in class_colours(OPERATIONS)}
     assert all(share > 0.005 for share in in_second.values()), in_second
     assert (lower.max(axis=-1) < 0.05).mean() < 0.3 * missing  # by operation nothing is missing
-    left = in_second[class_colours(2)[0]] / in_first[scale[0]]
+    left = in_second[class_colours(OPERATIONS)[0]] / in_first[scale[0]]
     assert 0.4 < left < 0.6  # of one square under the section plane
 
 

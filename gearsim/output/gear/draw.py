@@ -9,10 +9,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gearsim.output.canvas import Canvas, add_map, add_mesh, with_normals
+from gearsim.output.colours import STEEL
 from gearsim.output.draw_swept import tool_skin
 from gearsim.output.gear.style import NOISE_UM
 from gearsim.output.meshes import joined, mesh, points_of, quads
-from gearsim.output.view import DEVIATION, STEEL, Look, add_colours, add_legend, add_name, aim, aim_alike
+from gearsim.output.view import DEVIATION, Look, add_colours, add_legend, add_name, aim, aim_alike
 
 _ROOT = "root"
 _TURN = np.radians(2.0)

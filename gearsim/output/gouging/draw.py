@@ -8,8 +8,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gearsim.output.canvas import Canvas, add_map, add_mesh
+from gearsim.output.colours import STEEL
 from gearsim.output.meshes import points_of, segments, values_of
-from gearsim.output.view import DEVIATION, STEEL, Look, add_colours, aim_alike
+from gearsim.output.view import DEVIATION, Look, add_colours, aim_alike
 
 _SHOWN = 2
 _TOOL = "#3d4752"
