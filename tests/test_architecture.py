@@ -12,8 +12,8 @@ ROOT = Path(__file__).parent.parent
 # From the ground up: a room may import rooms before it, never behind it.
 ORDER = [
     "scratch", "errors", "geometry", "cutters", "machines", "surfaces", "programs", "motion", "toolpaths", "kernels",
-    "envelope", "simulation", "metrology", "gouging", "result", "output", "scene", "processes", "verify", "bench",
-    "arguments", "cli",
+    "envelope", "simulation", "metrology", "gouging", "result", "output", "scene", "processes", "studies", "verify",
+    "bench", "arguments", "cli",
 ]  # fmt: skip
 LAUNCHERS = {"kernels", "envelope", "simulation", "gouging", "verify", "bench"}
 HEAVY = {"warp", "vtkmodules", "OpenEXR", "pyarrow", "matplotlib", "plotly", "PIL"}
