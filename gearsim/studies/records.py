@@ -19,7 +19,7 @@ _UNITS = {
 
 @dataclass(frozen=True)
 class Parameter:
-    """A scene's key, dotted (``cutter.taper_deg``; ``errors.pivot_um.2``: a place in a list), and its value in each job.
+    """A scene's key, dotted (``cutter.taper_deg``; ``errors.pivot_um.2``: a place in a list), and each job's value.
 
     ``lower`` and ``upper`` bound what was drawn; nan where it is listed or unbounded.
     """
