@@ -46,8 +46,22 @@ class SampleGrid:
 def sample_grid(patch: Patch, rows: int, columns: int, margin: float = 0.0, window: float = 1.0) -> SampleGrid:
     """A grid of ``rows`` x ``columns`` points that leaves ``margin`` (a fraction) free at every edge.
 
-    ``window`` scales the measuring windows.
+    ``window`` scales the measuring windows. Grids are kept: jobs beside each other share their patches.
     """
+    key = (id(patch), rows, columns, margin, window)
+    grid = _KEPT.get(key)
+    if grid is None:
+        grid = _KEPT[key] = _made(patch, rows, columns, margin, window)
+        if len(_KEPT) > _MOST_KEPT:
+            _KEPT.pop(next(iter(_KEPT)))
+    return grid
+
+
+_MOST_KEPT = 32
+_KEPT: dict[tuple[int, int, int, float, float], SampleGrid] = {}  # by the patch's id, which lives as long as its grid
+
+
+def _made(patch: Patch, rows: int, columns: int, margin: float, window: float) -> SampleGrid:
     height = np.linspace(margin, 1.0 - margin, rows)
     length = np.linspace(margin, 1.0 - margin, columns)
     u, v = patch.locate(*np.broadcast_arrays(length[None, :], height[:, None]))

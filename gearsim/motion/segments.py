@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, fields
+from collections.abc import Sequence
+from dataclasses import dataclass, fields, replace
+from itertools import pairwise
 from math import radians
 
 import numpy as np
@@ -10,7 +12,7 @@ from numpy.typing import NDArray
 
 from gearsim.errors import NumericalError
 from gearsim.geometry.rigid import Rigid
-from gearsim.motion.sources import MotionSource
+from gearsim.motion.sources import CLMotion, CLMotions, MotionSource
 
 DEGREE = 5
 _NODES = -np.cos(np.pi * np.arange(DEGREE + 1) / DEGREE)
@@ -71,12 +73,33 @@ def compile_motion(
     rotation of a row, so that a swept interval has a single minimum on it. Raises NumericalError where
     the motion is too rough to be met by 2^12 parts a piece.
     """
+    return _compiled(source, np.full(source.pieces, reach), tolerance, max_rotation)
+
+
+def compile_cl(
+    motions: Sequence[CLMotion], reaches: Sequence[float], tolerance: float = 1e-9,
+    max_rotation: float = radians(0.5),
+) -> list[SegmentTable]:  # fmt: skip
+    """Each motion's table as ``compile_motion`` makes it with its own reach, all motions interpolated at once.
+
+    Raises NumericalError where one of them cannot be compiled.
+    """
+    pieces = np.array([m.pieces for m in motions])
+    first = np.cumsum(pieces) - pieces
+    table = _compiled(CLMotions(tuple(motions)), np.repeat(reaches, pieces), tolerance, max_rotation)
+    rows = np.searchsorted(table.piece, np.append(first, pieces.sum()))
+    parts = (table.part(slice(a, b)) for a, b in pairwise(rows))
+    return [replace(part, piece=part.piece - f) for part, f in zip(parts, first, strict=True)]
+
+
+def _compiled(source: MotionSource, reach: NDArray, tolerance: float, max_rotation: float) -> SegmentTable:
+    """See ``compile_motion``; ``reach`` [mm] of each piece, shape (pieces,)."""
     piece = np.arange(source.pieces)
     start, end = np.zeros(source.pieces), np.ones(source.pieces)
     done: list[tuple[NDArray, ...]] = []
     for _ in range(13):
         tip, axis = _interpolate(source, piece, start, end)
-        bad = _error(source, piece, start, end, tip, axis, reach) > tolerance
+        bad = _error(source, piece, start, end, tip, axis, reach[piece]) > tolerance
         bad |= 2.0 * _bound(axis, 1) > max_rotation
         done.append((tip[~bad], axis[~bad], piece[~bad], start[~bad], end[~bad]))
         middle = 0.5 * (start + end)[bad]
@@ -109,14 +132,14 @@ def _interpolate(source: MotionSource, piece: NDArray, start: NDArray, end: NDAr
 
 def _error(
     source: MotionSource, piece: NDArray, start: NDArray, end: NDArray,
-    tip: NDArray, axis: NDArray, reach: float,
+    tip: NDArray, axis: NDArray, reach: NDArray,
 ) -> NDArray:  # fmt: skip
     """Largest position error [mm] of the farthest tool point at the check points, shape (n,)."""
     true_tip, true_axis = _sample(source, piece, start, end, _CHECKS)
     powers = np.vander(_CHECKS, DEGREE + 1, increasing=True)
     tip_error = np.linalg.norm(np.einsum("xk,nkc->nxc", powers, tip) - true_tip, axis=2)
     axis_error = np.linalg.norm(np.einsum("xk,nkc->nxc", powers, axis) - true_axis, axis=2)
-    return (tip_error + reach * axis_error).max(axis=1, initial=0.0)
+    return (tip_error + reach[:, None] * axis_error).max(axis=1, initial=0.0)
 
 
 def _bound(coefficients: NDArray, derivative: int) -> NDArray:
@@ -127,11 +150,11 @@ def _bound(coefficients: NDArray, derivative: int) -> NDArray:
     return np.linalg.norm(coefficients, axis=2) @ factor
 
 
-def _finish(parts: list[tuple[NDArray, ...]], reach: float) -> SegmentTable:
+def _finish(parts: list[tuple[NDArray, ...]], reach_of_piece: NDArray) -> SegmentTable:
     tip, axis, piece, start, end = (np.concatenate(column) for column in zip(*parts, strict=True))
     order = np.lexsort((start, piece))
     tip, axis, piece, start, end = tip[order], axis[order], piece[order], start[order], end[order]
-    travel, spin = _bound(tip, 1), _bound(axis, 1)
+    travel, spin, reach = _bound(tip, 1), _bound(axis, 1), reach_of_piece[piece]
     arm = reach + 2.0 * (travel + spin * reach)
     acceleration = _bound(tip, 2) + arm * (_bound(axis, 2) + spin**2) + 2.0 * spin * travel
     path = np.zeros(len(tip), dtype=np.int64)

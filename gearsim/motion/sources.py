@@ -5,7 +5,7 @@ The envelope road reads these; the removal road reads only the table compiled fr
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Protocol
@@ -103,13 +103,40 @@ class CLMotion:
         return len(self.tips) - 1
 
     def pose(self, piece: NDArray, t: NDArray, order: int) -> PoseSeries:
-        piece = np.asarray(piece)
-        time = Series.variable(t, order)
-        angle, sideways = self._turns
-        turn = series.exp(time * (1j * angle[piece]))
-        tip = time.column * (self.tips[piece + 1] - self.tips[piece]) + self.tips[piece]
-        axis = turn.real.column * self.axes[piece] + turn.imag.column * sideways[piece]
-        return PoseSeries(tip, axis)
+        return _cl_pose(self.steps, np.asarray(piece), t, order)
+
+    @property
+    def steps(self) -> tuple[NDArray, ...]:
+        """Of each piece the tip, its way, the axis, its swept angle and the unit vector it starts to move along."""
+        return self.tips[:-1], np.diff(self.tips, axis=0), self.axes[:-1], *self._turns
+
+
+@dataclass(frozen=True)
+class CLMotions:
+    """Many CL motions as one, the pieces of each behind those of the one before; they need not meet."""
+
+    motions: tuple[CLMotion, ...]
+
+    @cached_property
+    def _steps(self) -> list[NDArray]:
+        return [np.concatenate(part) for part in zip(*(m.steps for m in self.motions), strict=True)]
+
+    @property
+    def pieces(self) -> int:
+        return len(self._steps[0])
+
+    def pose(self, piece: NDArray, t: NDArray, order: int) -> PoseSeries:
+        return _cl_pose(self._steps, np.asarray(piece), t, order)
+
+
+def _cl_pose(steps: Sequence[NDArray], piece: NDArray, t: NDArray, order: int) -> PoseSeries:
+    """Poses of CL pieces, given by ``CLMotion.steps``."""
+    tips, ways, axes, angle, sideways = steps
+    time = Series.variable(t, order)
+    turn = series.exp(time * (1j * angle[piece]))
+    tip = time.column * ways[piece] + tips[piece]
+    axis = turn.real.column * axes[piece] + turn.imag.column * sideways[piece]
+    return PoseSeries(tip, axis)
 
 
 @dataclass(frozen=True)

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from gearsim.cutters.profile import Profile
 from gearsim.errors import InputError
+from gearsim.motion.segments import SegmentTable
 from gearsim.motion.sources import MotionSource
 from gearsim.programs.cldata import RAPID, CLProgram, CLTool, check_cutter, cutter_of, is_apt, sizes_of
 from gearsim.simulation.operation import Operation, operation
@@ -66,11 +67,11 @@ def _cutter(
 
 def cl_operations(
     program: CLProgram, cutters: Sequence[Profile], sources: Sequence[MotionSource], tolerance: float,
-    holders: Sequence[Profile | None],
+    holders: Sequence[Profile | None], tables: Sequence[SegmentTable] = (),
 ) -> tuple[Operation, ...]:  # fmt: skip
     """An operation a tool, in the order of their first moves; ``sources`` are the program's paths, steps as well.
 
-    ``holders`` stand above the cutters.
+    ``holders`` stand above the cutters; ``tables``: what the sources are compiled to, where that is known.
     """
     made = []
     for k, (tool, cutter, holder) in enumerate(zip(program.tools, cutters, holders, strict=True)):
@@ -82,7 +83,7 @@ def cl_operations(
             seconds = [program.paths[i].seconds or [nan] * len(program.paths[i].tips) for i in mine]
             alone = operation(
                 name, cutter, [sources[i] for i in mine], tolerance, rapid=rapid, holder=holder, lines=lines,
-                seconds=seconds,
+                seconds=seconds, tables=[tables[i] for i in mine] if tables else (),
             )  # fmt: skip
             headings, section = _headings([program.paths[i].name for i in mine])
             columns: dict[str, Any] = {"step": np.array(mine)[alone.step], "section": section[alone.step]}

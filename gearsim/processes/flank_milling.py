@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from difflib import get_close_matches
+from functools import lru_cache
 from math import inf
 from pathlib import Path
 
@@ -29,10 +30,10 @@ from gearsim.processes.settings import settings
 from gearsim.processes.slot_program import slot_program
 from gearsim.programs.cldata import RAPID, CLProgram, format_cl, parse_cl, read_cl_text
 from gearsim.scene import FlankMillingScene, scene_table
-from gearsim.scene.flank_milling import ReferenceTable
+from gearsim.scene.flank_milling import FaceMilledFlankTable, MetrologyTable, ReferenceTable, RuledBevelTable
 from gearsim.scene.program import ProgramTable
 from gearsim.simulation.operation import Operation, Variant, operation
-from gearsim.surfaces.part import Tolerance
+from gearsim.surfaces.part import Part, Tolerance
 from gearsim.surfaces.patch import SIDES, Side, Tooth
 from gearsim.toolpaths.tangent import FlankPass
 
@@ -50,9 +51,8 @@ def plan(scene: FlankMillingScene, folder: Path) -> Job:
 
     ``folder`` is where a relative CL file name is looked up.
     """
-    tooth, cutter, m = scene.tooth(), scene.tool(), scene.metrology
-    tooth.check()
-    limits = Limits(Tolerance.both(m.tolerance_um), Tolerance(m.root_tolerance_um, m.root_excess_um or inf))
+    cutter, m = scene.tool(), scene.metrology
+    tooth, part = tooth_and_part(scene.surface, limits(m))
     planners = {} if scene.toolpath.file is not None else scene.planners()
     if scene.toolpath.file is not None:
         text = read_cl_text(folder / scene.toolpath.file)
@@ -72,7 +72,7 @@ def plan(scene: FlankMillingScene, folder: Path) -> Job:
         files["program.nc"] = machine_program(scene, scene.program, program, cutters)
     return Job(
         name=scene.name,
-        part=bevel_part(tooth, limits, mate=tooth.blank.mate(scene.surface.mate_teeth).stock),
+        part=part,
         variants=tuple(_variants(scene, program, planners, cutters, holders)),
         main=PROGRAM,
         inspections=(*_inspections(scene, tooth, program, planners), *held(PROGRAM, tooth, m.tooth)),
@@ -82,6 +82,22 @@ def plan(scene: FlankMillingScene, folder: Path) -> Job:
         notes=told,
         conventions={"grids": "rows root to tip, columns toe to heel"},
     )
+
+
+def limits(table: MetrologyTable) -> Limits:
+    """What of flanks and roots is tolerated."""
+    root = Tolerance(table.root_tolerance_um, table.root_excess_um or inf)
+    return Limits(Tolerance.both(table.tolerance_um), root)
+
+
+@lru_cache(maxsize=8)
+def tooth_and_part(surface: RuledBevelTable | FaceMilledFlankTable, within: Limits) -> tuple[Tooth, Part]:
+    """The tooth slot that a surface table describes, and the part with it; kept, for jobs beside each other share them.
+
+    Raises InputError for a slot that no gear has.
+    """
+    tooth = surface.build()
+    return tooth, bevel_part(tooth, within, mate=tooth.blank.mate(surface.mate_teeth).stock)
 
 
 def claims(scene: FlankMillingScene, folder: Path) -> list[Claim]:

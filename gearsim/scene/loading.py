@@ -115,11 +115,7 @@ def _line_of(error: tomllib.TOMLDecodeError, text: str) -> str:
 
 def check_scene(data: dict[str, Any], label: str) -> Scene:
     """Validate a scene given as nested tables. Raises InputError that lists every mistake found."""
-    model = _model(data, label)
-    try:
-        scene = model.model_validate(data)
-    except ValidationError as error:
-        raise _input_error(label, explained(error, data, model) + _read_as_cl(data, model)) from None
+    scene = scene_of(data, label)
     problems = []
     for build in scene.builders():
         try:
@@ -129,6 +125,18 @@ def check_scene(data: dict[str, Any], label: str) -> Scene:
     if problems:
         raise _input_error(label, problems)
     return scene
+
+
+def scene_of(data: dict[str, Any], label: str) -> Scene:
+    """A scene given as nested tables, its keys and values checked; whether its geometry is possible is not.
+
+    Raises InputError that lists every mistake found.
+    """
+    model = _model(data, label)
+    try:
+        return model.model_validate(data)
+    except ValidationError as error:
+        raise _input_error(label, explained(error, data, model) + _read_as_cl(data, model)) from None
 
 
 def _read_as_cl(data: dict[str, Any], model: type[Scene]) -> list[str]:

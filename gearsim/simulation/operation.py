@@ -139,13 +139,16 @@ class Variant:
 def operation(
     name: str, cutter: Profile, sources: Sequence[MotionSource], tolerance: float, *, rapid: Sequence[bool] = (),
     holder: Profile | None = None, lines: Sequence[Sequence[int]] = (), seconds: Sequence[Sequence[float]] = (),
+    tables: Sequence[SegmentTable] = (),
 ) -> Operation:  # fmt: skip
     """Compile motions of one tool to a tolerance [mm], a step each; ``rapid`` says which are (none given: none is).
+
+    ``tables``: what the motions are compiled to, where that is known.
 
     Of each motion the points, one more than its pieces: ``lines`` of the program that state them, and ``seconds`` on
     the way to them; a piece goes to the end of its line.
     """
-    table = join([compile_motion(source, cutter.reach, tolerance) for source in sources])
+    table = join(list(tables) or [compile_motion(source, cutter.reach, tolerance) for source in sources])
     fast = np.array(rapid or [False] * len(sources))[table.path]
     line = _at_the_end(table, lines, 0).astype(int)
     time = _at_the_end(table, seconds, np.nan) * (table.end - table.start)

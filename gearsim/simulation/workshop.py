@@ -24,15 +24,16 @@ class Workshop:
 
     ``tolerance`` [mm] and ``slots`` as of ``simulation.removal.cut``. Owns the totals of a run: ``rays``,
     ``candidates``, ``pairs``, ``kernel_s``; ``progress`` is told of rays done. ``checkpoints``: a folder in which a
-    whole part's stock is kept after every operation, to go on from.
+    whole part's stock is kept after every operation, to go on from. ``threads``: CPU threads that cut rays (default:
+    all cores).
     """
 
     def __init__(
         self, device: str, tolerance: float = 1e-9, slots: int = 16, progress: Callable[[int], None] | None = None,
-        checkpoints: Path | None = None,
+        checkpoints: Path | None = None, threads: int | None = None,
     ):  # fmt: skip
         self.device, self.tolerance, self.slots, self.checkpoints = device, tolerance, slots, checkpoints
-        self.progress = progress or (lambda n: None)
+        self.progress, self.threads = progress or (lambda n: None), threads
         self.rays = self.candidates = self.pairs = 0
         self.kernel_s = 0.0
         self._places: dict[int, tuple[Loaded, int]] = {}
@@ -90,7 +91,7 @@ class Workshop:
         results: list[IntervalSet | None] = [None] * len(asked)
         for loaded in {id(where): where for where, _ in places}.values():
             mine = [i for i, (where, _) in enumerate(places) if where is loaded]
-            removals = loaded.cut([(asked[i][0], places[i][1]) for i in mine], progress=self.progress)
+            removals = loaded.cut([(asked[i][0], places[i][1]) for i in mine], self.threads, self.progress)
             self.kernel_s += removals[0].kernel_s
             for i, removal in zip(mine, removals, strict=True):
                 results[i] = self._trusted(removal, len(asked[i][0]))

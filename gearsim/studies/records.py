@@ -41,13 +41,13 @@ class Asked:
     """What is measured of each job.
 
     ``measure``: ``maps`` (every judged surface on its dense grid under the whole program), ``iso`` (a cylindrical
-    gear's traces after ISO 1328-1), ``all`` (everything that ``gearsim run`` measures). ``cross_checked``: the share of
-    the jobs, drawn by the study's seed, in which the envelope road is solved as well; the others' verdict is
-    ``unchecked`` unless it is ``fail``.
+    gear's traces after ISO 1328-1). ``cross_checked``: the share of the jobs, drawn by the study's seed, of which
+    everything is measured that ``gearsim run`` measures, by both roads, and whose verdict is that of the run; of the
+    others the envelope road is left out, and their verdict is ``unchecked``.
     """
 
     measure: tuple[str, ...] = ("maps",)
-    cross_checked: float = 0.0
+    cross_checked: float = 1.0
 
 
 @dataclass(frozen=True)
@@ -124,7 +124,7 @@ class Outcome:
     status: str = "ok"
     error: str = ""
     cross_checked: bool = False
-    figures: Mapping[str, float | int | str | None] = field(default_factory=dict)
+    figures: Mapping[str, float | int | str | bool | None] = field(default_factory=dict)
     maps: Mapping[str, SurfaceMap] = field(default_factory=dict)
 
 

@@ -6,6 +6,7 @@ text word (PARTNO, PPRINT, ...). ``PPRINT PASS name`` names the cutting moves th
 told in a program's notes or refused with its line; nothing is dropped.
 """
 
+from gearsim.programs.cldata.as_read import as_read
 from gearsim.programs.cldata.cutter import CutterSizes, apt_parameters, check_cutter, cutter_of, is_apt, sizes_of
 from gearsim.programs.cldata.program import RAPID, CLPath, CLProgram
 from gearsim.programs.cldata.reader import parse_cl, read_cl_text
@@ -19,6 +20,7 @@ __all__ = [
     "CLTool",
     "CutterSizes",
     "apt_parameters",
+    "as_read",
     "assemble",
     "check_cutter",
     "cutter_of",

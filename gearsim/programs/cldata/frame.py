@@ -11,7 +11,7 @@ from gearsim.errors import InputError
 from gearsim.programs.cldata.lexer import Statement
 from gearsim.programs.cldata.numbers import INCH, numbers
 
-_UNIT_AXIS = 1e-4
+UNIT_AXIS = 1e-4  # how far from 1 the length of a tool axis may be
 _MM = Decimal(1)
 _UNITS = {
     **dict.fromkeys(("MM", "MILLIMETER", "MILLIMETERS", "MILLIMETRE", "MILLIMETRES"), _MM),
@@ -95,7 +95,7 @@ class ToolAxis:
 
     def _given(self, stated: list[float]) -> NDArray:
         axis = _unit(stated, ",".join(f"{v:g}" for v in stated))
-        if self.many is False and np.abs(axis - _UPRIGHT).max() > _UNIT_AXIS:
+        if self.many is False and np.abs(axis - _UPRIGHT).max() > UNIT_AXIS:
             raise InputError(
                 f"tool axis {_shown(axis)} under MULTAX/OFF, where it is 0,0,1; MULTAX/ON must stand before"
             )
@@ -115,11 +115,16 @@ _ROWS = ", ".join(f"{v:g}" for v in _IDENTITY)
 
 
 def _unit(values: list[float], shown: str) -> NDArray:
-    axis = np.array(values)
+    return unit_axis(np.array(values), shown)
+
+
+def unit_axis(axis: NDArray, shown: str = "") -> NDArray:
+    """A stated tool axis (3,) as a unit vector. Raises InputError where its length is not 1."""
     length = float(np.linalg.norm(axis))
-    if abs(length - 1.0) > _UNIT_AXIS:
+    if abs(length - 1.0) > UNIT_AXIS:
+        shown = shown or ",".join(f"{v:g}" for v in axis)
         raise InputError(f"tool axis {shown} has length {length:.6g}; expected 1")
-    return axis / length
+    return np.asarray(axis / length)
 
 
 def _shown(axis: NDArray) -> str:

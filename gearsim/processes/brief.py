@@ -1,0 +1,56 @@
+"""Jobs of which only some figures are wanted, as studies do: the fewest questions that give them, by one road."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass, replace
+
+from gearsim.metrology.gear_iso import GearProbing
+from gearsim.metrology.grid import DENSE, GridInspection
+from gearsim.metrology.inspection import Inspection
+from gearsim.metrology.job import Job
+
+
+@dataclass(frozen=True)
+class Brief:
+    """What is wanted of a job: ``maps`` of its judged surfaces under the whole program, a gear's ``iso`` traces."""
+
+    maps: bool = True
+    iso: bool = False
+
+
+def shortened(job: Job, brief: Brief) -> Job:
+    """The job with the inspections that are wanted alone, asked by the removal road alone; nothing can pass by it."""
+    kept = tuple(_kept(job.inspections, job.main, brief))
+    names = {name for i in kept for name in _variants(i)}
+    return replace(
+        job, inspections=kept, variants=tuple(v for v in job.variants if v.name in names), scene={}, files={}
+    )
+
+
+def mapped(inspection: Inspection, main: str) -> str:
+    """The variant under which an inspection makes the map of its surface; empty where it makes none."""
+    if not isinstance(inspection, GridInspection) or inspection.name != DENSE:
+        return ""
+    return next(iter(inspection.judged), main if main in inspection.variants else "")
+
+
+def _kept(inspections: Iterable[Inspection], main: str, brief: Brief) -> Iterable[Inspection]:
+    for inspection in inspections:
+        variant = mapped(inspection, main)
+        if brief.maps and variant:
+            yield one_road(inspection, variant)  # type: ignore[arg-type]
+        elif brief.iso and isinstance(inspection, GearProbing):
+            yield inspection
+
+
+def one_road(grid: GridInspection, variant: str) -> GridInspection:
+    """A surface's grid under one variant by the removal road."""
+    return replace(grid, variants=(variant,), witnessed=(), judged=(variant,), strangers="", series=(), last="")
+
+
+def _variants(inspection: Inspection) -> set[str]:
+    if isinstance(inspection, GearProbing):
+        return {inspection.variant}
+    assert isinstance(inspection, GridInspection)
+    return {*inspection.variants, inspection.generating} - {""}

@@ -1,0 +1,189 @@
+"""A chunk of a study's jobs: planned beside each other, cut in one launch, each read by itself."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from copy import deepcopy
+from time import perf_counter
+from typing import Any
+
+import numpy as np
+
+from gearsim.errors import GearsimError, InputError, NumericalError
+from gearsim.metrology.deviation import Deviation
+from gearsim.metrology.gear_iso import GearMeasurement
+from gearsim.metrology.grid import GridMeasurement
+from gearsim.metrology.inspection import Reading, perform, together
+from gearsim.metrology.job import Job
+from gearsim.metrology.verdict import verdict
+from gearsim.processes.brief import Brief, mapped
+from gearsim.processes.many import plan_many
+from gearsim.processes.run import plan
+from gearsim.scene import Scene
+from gearsim.scene.loading import scene_of
+from gearsim.simulation.removal import prepare
+from gearsim.simulation.workshop import Workshop
+from gearsim.studies.records import Outcome, Study, SurfaceMap, Value
+
+_ONE_ROAD = "the envelope road was left out"
+
+
+def run_chunk(
+    study: Study, jobs: Sequence[int], device: str = "cpu", cores: int | None = None
+) -> tuple[list[Outcome], dict[str, float]]:
+    """What comes of some of a study's jobs, in their order, and the seconds that planning and measuring took.
+
+    A job that cannot be done is an outcome that says why. ``cores``: CPU threads that cut (default: all).
+    """
+    started = perf_counter()
+    prepare(device)
+    both = study.cross_checked()
+    scenes = [_scene(study, job) for job in jobs]
+    planned = _planned(study, scenes, [bool(both[job]) for job in jobs])
+    ready = perf_counter()
+    found = _performed(planned, device, cores)
+    outcomes = [
+        _outcome(study, job, of, result, bool(both[job])) for job, of, result in zip(jobs, planned, found, strict=True)
+    ]
+    return outcomes, {"plan_s": ready - started, "cut_s": perf_counter() - ready}
+
+
+def tables_of(study: Study, job: int) -> dict[str, Any]:
+    """A job's scene as nested plain tables: the study's, with the job's values at their keys."""
+    tables = deepcopy(dict(study.tables))
+    for key, value in study.values_of(job).items():
+        put(tables, key, value)
+    return tables
+
+
+def put(tables: dict[str, Any], key: str, value: Value) -> None:
+    """Set what stands at a dotted key, a number being a place in a list; tables on the way are made.
+
+    Raises InputError where the way leads through a value, or beyond a list's end.
+    """
+    *way, last = key.split(".")
+    at: Any = tables
+    for i, name in enumerate(way):
+        at = _step(at, name, key) if isinstance(at, list) else at.setdefault(name, {})
+        if not isinstance(at, dict | list):
+            raise InputError(f"{key}: {'.'.join(way[: i + 1])} is a value, not a table")
+    if isinstance(at, list):
+        _step(at, last, key)
+        at[int(last)] = value
+    else:
+        at[last] = value
+
+
+def _step(entries: list[Any], place: str, key: str) -> Any:
+    if not place.isdigit() or int(place) >= len(entries):
+        raise InputError(f"{key}: {place!r} is no place in a list of {len(entries)}; they count from 0")
+    return entries[int(place)]
+
+
+def _scene(study: Study, job: int) -> Scene | GearsimError:
+    try:
+        return scene_of(tables_of(study, job), study.name)
+    except GearsimError as error:
+        return error
+
+
+def _planned(study: Study, scenes: Sequence[Scene | GearsimError], both: Sequence[bool]) -> list[Job | GearsimError]:
+    """Jobs of scenes: whole ones where both roads are asked, what the study asks for of the others."""
+    brief = Brief("maps" in study.asked.measure, "iso" in study.asked.measure)
+    few = {i: s for i, s in enumerate(scenes) if isinstance(s, Scene) and not both[i]}
+    short = dict(zip(few, plan_many(list(few.values()), study.folder, brief), strict=True))
+    out: list[Job | GearsimError] = []
+    for i, scene in enumerate(scenes):
+        if isinstance(scene, GearsimError):
+            out.append(scene)
+        else:
+            out.append(short[i] if i in short else _whole(scene, study))
+    return out
+
+
+def _whole(scene: Scene, study: Study) -> Job | GearsimError:
+    try:
+        return plan(scene, study.folder)
+    except GearsimError as error:
+        return error
+
+
+def _performed(
+    planned: Sequence[Job | GearsimError], device: str, cores: int | None
+) -> list[list[Reading] | GearsimError]:
+    """The readings of each job, all asked in one go; one by one where one of them cannot be trusted."""
+    out: dict[int, list[Reading] | GearsimError] = {i: p for i, p in enumerate(planned) if isinstance(p, GearsimError)}
+    alike: dict[tuple[float, int], list[int]] = {}
+    for i, job in enumerate(planned):
+        if isinstance(job, Job):
+            alike.setdefault((job.settings.tolerance_mm, job.settings.interval_slots), []).append(i)
+    for settings, members in alike.items():
+        jobs = [planned[i] for i in members]
+        for i, readings in zip(members, _asked(jobs, settings, device, cores), strict=True):  # type: ignore[arg-type]
+            out[i] = readings
+    return [out[i] for i in range(len(planned))]
+
+
+def _asked(
+    jobs: Sequence[Job], settings: tuple[float, int], device: str, cores: int | None
+) -> list[list[Reading] | GearsimError]:
+    workshop = Workshop(device, *settings, threads=cores)
+    try:
+        return list(perform(together([job.steps() for job in jobs]), workshop))
+    except (NumericalError, InputError) as error:
+        if len(jobs) == 1:
+            return [error]
+        return [result for job in jobs for result in _asked([job], settings, device, cores)]
+
+
+def _outcome(
+    study: Study, job: int, planned: Job | GearsimError, found: list[Reading] | GearsimError, both: bool
+) -> Outcome:
+    if isinstance(found, GearsimError) or isinstance(planned, GearsimError):
+        return Outcome(job, "error", error=str(found))
+    maps, figures = _maps(planned, found), dict[str, Any]()
+    for surface, m in maps.items():
+        figures |= {f"{surface}.{name}": value for name, value in _summary(m.deviation).items()}
+    for reading in found:
+        for gear in (m for m in reading.measurements if isinstance(m, GearMeasurement)):
+            figures |= _iso(gear)
+    judged, status = verdict(planned.part, found)
+    if not both:
+        doubts = [d for r in found for d in r.doubts if "two roads" not in d]
+        judged, status = "unchecked", "; ".join([_ONE_ROAD, *dict.fromkeys(doubts)])
+    failing = any(f.fails for reading in found for f in reading.findings)
+    figures["within_tolerance"] = not failing
+    wanted = maps if "maps" in study.asked.measure else {}
+    return Outcome(job, judged, status, "", both, figures, {s: _map(m) for s, m in wanted.items()})
+
+
+def _maps(job: Job, readings: Sequence[Reading]) -> dict[str, GridMeasurement]:
+    """The measurement that maps each surface."""
+    out: dict[str, GridMeasurement] = {}
+    for inspection, reading in zip(job.inspections, readings, strict=True):
+        if variant := mapped(inspection, job.main):
+            grids = (m for m in reading.measurements if isinstance(m, GridMeasurement))
+            out |= {m.surface: m for m in grids if m.variant == variant}
+    return out
+
+
+def _map(m: GridMeasurement) -> SurfaceMap:
+    grid = m.grid
+    deviation = 1e3 * m.deviation.value
+    return SurfaceMap(
+        deviation, m.deviation.crossing.astype(np.uint8), grid.height, grid.length, grid.point, grid.normal
+    )
+
+
+def _summary(deviation: Deviation) -> dict[str, Any]:
+    """The figures' names carry their unit where they have one."""
+    plain = deviation.summary_um()
+    return {name if name in ("samples", "uncut", "through") else f"{name}_um": v for name, v in plain.items()}
+
+
+def _iso(m: GearMeasurement) -> Mapping[str, Any]:
+    out: dict[str, Any] = {}
+    for row in m.found.rows():
+        out |= {f"iso.{row.parameter}.{side}_um": value for side, value in row.value_um.items()}
+        out |= {f"iso.{row.parameter}.class": row.achieved}
+    return out
