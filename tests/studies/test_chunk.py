@@ -10,8 +10,7 @@ from gearsim.errors import InputError
 from gearsim.motion.segments import compile_cl, compile_motion
 from gearsim.motion.sources import CLMotion
 from gearsim.processes.run import plan, run_job
-from gearsim.processes.slot_program import slot_program
-from gearsim.programs.cldata import as_read, format_cl, parse_cl
+from gearsim.programs.cldata import CLPath, CLProgram, CLTool, as_read, format_cl, parse_cl
 from gearsim.scene import load_scene
 from gearsim.scene.loading import scene_table
 from gearsim.studies.chunk import put, run_chunk, tables_of
@@ -78,20 +77,29 @@ def test_only_chosen_jobs_are_cross_checked_by_the_seed(study):
     assert not study.cross_checked().any()
 
 
-@pytest.mark.parametrize("name", ["spiral-bevel-flank", "spiral-bevel-complete"])
-def test_programs_are_what_reading_their_text_gives(name):
-    scene, _ = load_scene(name)
-    planned = slot_program(scene, scene.tooth(), scene.planners()).program
-    for decimals in (5, 9):
+def test_programs_are_what_reading_their_text_gives():
+    rng = np.random.default_rng(3)
+    axes = np.array([0.0, 0.0, 1.0]) + 0.1 * rng.normal(size=(14, 3))
+    axes /= np.linalg.norm(axes, axis=1)[:, None]
+    tips = 30.0 * rng.normal(size=(14, 3))
+    tips[5], axes[5] = tips[4] + 1e-13, axes[4]  # no move, once rounded
+
+    def path(name: str, first: int, last: int, tool: int = 0) -> CLPath:
+        return CLPath(name, tips[first:last], axes[first:last], tool)
+
+    paths = (path("rapid", 0, 2), path("convex", 1, 4), path("rapid", 3, 5), path("rapid", 4, 7), path("convex", 6, 8),
+             path("convex", 7, 9), path("rapid", 10, 12, 1), path("concave", 11, 14, 1))  # fmt: skip
+    planned = CLProgram(paths, (CLTool("1"), CLTool("2")))
+    for decimals in (6, 9, 12):
         read = parse_cl(format_cl(planned, "x", 100.0, decimals), "x")
         mine = as_read(planned, decimals)
         assert [(p.name, p.tool) for p in mine.paths] == [(p.name, p.tool) for p in read.paths]
         for a, b in zip(mine.paths, read.paths, strict=True):
             assert np.array_equal(a.tips, b.tips)
             assert np.array_equal(a.axes, b.axes)
-    for read in (partial(as_read, planned, 3), lambda: parse_cl(format_cl(planned, "x", 100.0, 3), "x")):
+    for reading in (partial(as_read, planned, 3), lambda: parse_cl(format_cl(planned, "x", 100.0, 3), "x")):
         with pytest.raises(InputError, match="has length"):
-            read()
+            reading()
 
 
 def test_motions_compiled_together_are_those_compiled_alone():
