@@ -87,19 +87,22 @@ class Element:
         turned = np.arctan2(z - self.centre[1], r - self.centre[0]) - self.angles[0]
         return self.radius * ((turned + 1.0) % (2.0 * np.pi) - 1.0)  # a rounding error before the start stays small
 
-    def radii_at(self, z: float) -> list[float]:
-        """Radii [mm] of the element's points at height z [mm]; none for an annulus."""
-        if self.is_flat or not self.box[2] <= z <= self.box[3]:
-            return []
+    def widest_at(self, z: NDArray) -> NDArray:
+        """Largest radius [mm] of the element's points at heights z [mm], any shape; -inf where it has none."""
+        if self.is_flat:
+            return np.where(z == self.start[1], max(self.start[0], self.end[0]), -np.inf)
+        inside = (self.box[2] <= z) & (z <= self.box[3])
         if not self.is_arc:
             share = (z - self.start[1]) / (self.end[1] - self.start[1])
-            return [self.start[0] + share * (self.end[0] - self.start[0])]
-        half = np.sqrt(max(self.radius**2 - (z - self.centre[1]) ** 2, 0.0))
+            return np.where(inside, self.start[0] + share * (self.end[0] - self.start[0]), -np.inf)
+        half = np.sqrt(np.maximum(self.radius**2 - (z - self.centre[1]) ** 2, 0.0))
         middle = 0.5 * sum(self.angles)
         spread = np.cos(0.5 * (self.angles[1] - self.angles[0])) - 1e-12
-        sides = [s for s in (half, -half) if (s * np.cos(middle) + (z - self.centre[1]) * np.sin(middle))
-                 >= spread * self.radius]  # fmt: skip
-        return [float(self.centre[0] + s) for s in sides]
+        out = np.full(np.shape(z), -np.inf)
+        for side in (-half, half):
+            on = inside & (side * np.cos(middle) + (z - self.centre[1]) * np.sin(middle) >= spread * self.radius)
+            out = np.where(on, self.centre[0] + side, out)
+        return out
 
     def nearest(self, r: NDArray, z: NDArray) -> tuple[NDArray, NDArray, NDArray, NDArray]:
         """The element's points nearest to (r, z) and the normals there: (pr, pz, nr, nz)."""

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import numpy as np
+
 from gearsim.cutters.element import Element
 from gearsim.cutters.profile import Profile
 from gearsim.errors import InputError
@@ -48,5 +50,5 @@ def _clipped(e: Element, height: float, above: bool) -> Element | None:
         return None
     if (low >= height - _SAME) if above else (high <= height + _SAME):
         return e
-    at = (max(e.radii_at(height)), height)
+    at = (float(e.widest_at(np.array(height))), height)
     return Element(at, e.end, e.centre, e.radius) if above else Element(e.start, at, e.centre, e.radius)

@@ -107,12 +107,15 @@ class Profile:
 
     def radius_at(self, z: float) -> float:
         """Largest radius [mm] of the tool at height z [mm]; raises InputError beyond its ends."""
-        if not self.box[2] <= z <= self.height:
-            raise InputError(
-                f"cutter {self.name!r} has no section at z = {z:g} mm ({self.box[2]:g} to {self.height:g} mm)"
-            )
-        level = [max(e.start[0], e.end[0]) for e in self.elements if e.is_flat and e.start[1] == z]
-        return max([r for e in self.elements for r in e.radii_at(z)] + level)
+        return float(self.radii_at(np.array([z]))[0])
+
+    def radii_at(self, z: NDArray) -> NDArray:
+        """Largest radii [mm] at heights z [mm], shape (n,); raises InputError beyond the tool's ends."""
+        beyond = ~((self.box[2] <= z) & (z <= self.height))
+        if beyond.any():
+            ends = f"{self.box[2]:g} to {self.height:g} mm"
+            raise InputError(f"cutter {self.name!r} has no section at z = {z[beyond][0]:g} mm ({ends})")
+        return np.asarray(np.max([e.widest_at(z) for e in self.elements], axis=0))
 
     @cached_property
     def flank(self) -> int:

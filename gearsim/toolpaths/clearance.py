@@ -6,7 +6,7 @@ blank is a lower bound. Between two poses looked at no point of the tool moves f
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from math import ceil
 
@@ -26,14 +26,27 @@ _MOST_DISCS = 4000  # of a tool longer than 1 m, each then longer, too
 _MOST_POINTS = 100_000
 _AT_ONCE = 1 << 12
 _OPPOSITE = -0.99
+_ROUGH = 8.0
 
 
 @dataclass(frozen=True)
 class Clearance:
-    """Lower bounds [mm] of the distance between a cutter, moved about, and an uncut blank."""
+    """Lower bounds [mm] of the distance between a cutter, moved about, and an uncut blank.
+
+    ``rough``: looks are that many times as far apart, discs that many times as thick, and bounds the lower.
+    """
 
     stock: Solid
     cutter: Profile
+    rough: float = 1.0
+
+    def clears(self, tips: NDArray, axes: NDArray) -> bool:
+        """Whether the cutter is far enough off all along, as ``along`` tells; where it is far, rough looks do."""
+        return self._roughly.along(tips, axes) >= CLEAR_MM or self.along(tips, axes) >= CLEAR_MM
+
+    @cached_property
+    def _roughly(self) -> Clearance:
+        return replace(self, rough=_ROUGH)
 
     def at(self, tips: NDArray, axes: NDArray) -> NDArray:
         """At poses: tips [mm] and unit axes, shape (n, 3)."""
@@ -52,7 +65,7 @@ class Clearance:
             return -np.inf
         motion, turn = CLMotion(tips, axes), np.arccos(np.minimum(cosine, 1.0))
         way = np.linalg.norm(np.diff(tips, axis=0), axis=1) + self.cutter.reach * turn
-        count = np.maximum(1, np.ceil(way / _LOOK_MM).astype(int))
+        count = np.maximum(1, np.ceil(way / (self.rough * _LOOK_MM)).astype(int))
         piece = np.repeat(np.arange(len(way)), count)
         t = (np.arange(len(piece)) - np.repeat(np.cumsum(count) - count, count) + 0.5) / count[piece]
         tip, axis = (s.value for s in motion.pose(piece, t, 0))
@@ -83,7 +96,7 @@ class Clearance:
         """Middles [mm] of discs along the axis, and how far from its middle each disc's farthest point lies at most."""
         low, high = self.cutter.box[2:]
         fine = max(_POINT_MM, self.cutter.reach / _MOST_POINTS)
-        edges = np.linspace(low, high, min(ceil((high - low) / _DISC_MM), _MOST_DISCS) + 1)
+        edges = np.linspace(low, high, min(ceil((high - low) / (self.rough * _DISC_MM)), _MOST_DISCS) + 1)
         points = [e.at(np.linspace(0.0, e.length, ceil(e.length / fine) + 1)) for e in self.cutter.elements]
         r, z = (np.concatenate([getattr(p, name) for p in points]) for name in ("r", "z"))
         radius = np.zeros(len(edges) - 1)

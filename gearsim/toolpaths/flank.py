@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import lru_cache
 from math import cos, tan
 
 import numpy as np
@@ -78,10 +79,16 @@ class FlankPath:
 
     def check_passage(self) -> None:
         """Raise InputError where the cutter would cut the next tooth's tip away (`check_mouth`)."""
-        blank = self.tooth.blank
-        phi = self.tooth.phi_at(np.linspace(blank.toe, blank.cone_distance, _STATIONS))
-        spine = self.tooth.spine(phi, 1)
-        depth = np.asarray(blank.whole_depth_at(spine.cone.value))
-        half_land, half_mouth = self.tooth.flank(self.side).windows(phi, depth)
-        mouth = spine.origin.value + spine.z.value * depth[:, None]
-        check_mouth(self.cutter, self.poses(phi, 0), mouth, spine.cone.value, half_land, half_mouth)
+        phi, *mouth = _mouth(self.tooth, self.side)
+        check_mouth(self.cutter, self.poses(phi, 0), *mouth)
+
+
+@lru_cache(maxsize=8)
+def _mouth(tooth: RuledBevelTooth, side: Side) -> tuple[NDArray, ...]:
+    """Stations phi along the face, and of the slot's mouth there what ``check_mouth`` asks."""
+    blank = tooth.blank
+    phi = tooth.phi_at(np.linspace(blank.toe, blank.cone_distance, _STATIONS))
+    spine = tooth.spine(phi, 1)
+    depth = np.asarray(blank.whole_depth_at(spine.cone.value))
+    half_land, half_mouth = tooth.flank(side).windows(phi, depth)
+    return phi, spine.origin.value + spine.z.value * depth[:, None], spine.cone.value, half_land, half_mouth

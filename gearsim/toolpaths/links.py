@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from gearsim.cutters.profile import Profile
 from gearsim.geometry.solid import Solid
 from gearsim.programs.cldata import RAPID, CLPath, CLProgram
-from gearsim.toolpaths.clearance import CLEAR_MM, Clearance
+from gearsim.toolpaths.clearance import Clearance
 
 APPROACH, WITHDRAWAL = "approach", "withdrawal"
 _HIGHER = (1.0, 2.0, 4.0)
@@ -39,7 +39,7 @@ def clear_rapids(program: CLProgram, cutter: Profile, stock: Solid, retract: flo
         if path is not None and path.name == RAPID:
             rapids.append(path)
             continue
-        clear = all(clearance.along(p.tips, p.axes) >= CLEAR_MM for p in rapids)
+        clear = all(clearance.clears(p.tips, p.axes) for p in rapids)
         paths += rapids if clear else _link(clearance, last, path, retract)
         paths += [path] if path is not None else []
         rapids, last = [], path
@@ -69,7 +69,7 @@ def _over(clearance: Clearance, first: list[Pose], last: list[Pose]) -> list[Pos
         ups = [_raised(low, higher * float((high[0] - low[0]) @ low[1])) for low, high in (first, last)]
         way = [first[0], *ups, last[0]]
         tips, axes = (np.array(part) for part in zip(*way, strict=True))
-        if clearance.along(tips, axes) >= CLEAR_MM:
+        if clearance.clears(tips, axes):
             return way
     return _around(clearance, first[0], last[0])
 

@@ -82,7 +82,7 @@ def check_mouth(
     thickness and half the slot's width at the tip at cone distances ``cone`` [mm].
     """
     height = ((mouth - pose.tip.value) * pose.axis.value).sum(1)
-    width = np.array([2.0 * cutter.radius_at(min(h, cutter.height)) for h in height])
+    width = 2.0 * cutter.radii_at(np.minimum(height, cutter.height))
     excess = width - 2.0 * half_mouth - half_land
     worst = int(np.argmax(excess))
     if excess[worst] > 0.0:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from gearsim.programs.cldata.frame import unit_axis
+from gearsim.programs.cldata.frame import UNIT_AXIS, unit_axis
 from gearsim.programs.cldata.program import CLPath, CLProgram
 
 
@@ -22,7 +22,7 @@ def as_read(program: CLProgram, decimals: int) -> CLProgram:
         rows = np.round(np.hstack([path.tips, path.axes]), decimals) + 0.0
         if not np.abs(rows).max() < 2.0**52 / 10.0**decimals:
             raise ValueError(f"coordinates of 2^52 units of 1e-{decimals} mm and more are not rounded so")
-        rows[:, 3:] = [unit_axis(axis) for axis in rows[:, 3:]]
+        rows[:, 3:] = _unit(rows[:, 3:])
         if path.tool != tool:
             at, tool = rows[0], path.tool
         assert at is not None
@@ -36,3 +36,12 @@ def as_read(program: CLProgram, decimals: int) -> CLProgram:
         found[-1][2].append(points[moved])
     joined = ((name, tool, np.vstack(points)) for name, tool, points in found)
     return CLProgram(tuple(CLPath(name, p[:, :3], p[:, 3:], tool) for name, tool, p in joined), program.tools)
+
+
+def _unit(axes: NDArray) -> NDArray:
+    """Stated axes, shape (n, 3), as unit vectors."""
+    length = np.sqrt(np.vecdot(axes, axes))
+    wrong = np.abs(length - 1.0) > UNIT_AXIS
+    if wrong.any():
+        unit_axis(axes[np.argmax(wrong)])
+    return np.asarray(axes / length[:, None])
