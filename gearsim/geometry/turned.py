@@ -38,12 +38,13 @@ class Turned:
 
     def signed_distance(self, points: NDArray) -> NDArray:
         """Distance [mm] of points, shape (..., 3), from the solid's surface, negative inside."""
-        at = np.stack([np.hypot(points[..., 0], points[..., 1]), points[..., 2]], axis=-1)
-        nearest = np.full(at.shape[:-1], np.inf)
+        radius, z = np.hypot(points[..., 0], points[..., 1]), points[..., 2]
+        square = np.full(radius.shape, np.inf)
         for start, end in self._edges():
-            way, off = end - start, at - start
-            share = np.clip(off @ way / (way @ way), 0.0, 1.0)
-            nearest = np.minimum(nearest, np.linalg.norm(off - share[..., None] * way, axis=-1))
+            (dr, dz), off_r, off_z = end - start, radius - start[0], z - start[1]
+            share = np.clip((off_r * dr + off_z * dz) / (dr * dr + dz * dz), 0.0, 1.0)
+            square = np.minimum(square, (off_r - share * dr) ** 2 + (off_z - share * dz) ** 2)
+        nearest = np.sqrt(square)
         return np.where(self.contains(points), -nearest, nearest)
 
     def normals(self, points: NDArray) -> NDArray:

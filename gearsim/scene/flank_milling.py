@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from functools import partial
+from functools import lru_cache, partial
 from math import radians
 from typing import Literal
 
@@ -135,6 +135,12 @@ class ReferenceTable(Table):
     concave_um: tuple[Number, ...]
 
 
+@lru_cache(maxsize=64)
+def _built(cutter: AnyMill) -> Profile:
+    profile: Profile = cutter.build()
+    return profile
+
+
 class FlankMillingScene(Scene):
     """A scene that flank-mills a spiral bevel gear."""
 
@@ -183,8 +189,7 @@ class FlankMillingScene(Scene):
         return self.surface.build()
 
     def tool(self) -> Profile:
-        profile: Profile = self.cutter.build()
-        return profile
+        return _built(self.cutter)
 
     def held(self) -> Profile | None:
         """What stands above the cutter's flutes, where it is given."""

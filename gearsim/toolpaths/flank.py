@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from gearsim.cutters.profile import Profile
 from gearsim.geometry import series
 from gearsim.geometry.pose import PoseSeries
+from gearsim.geometry.series import Series
 from gearsim.motion.sources import CLMotion, CurveMotion
 from gearsim.surfaces.patch import Side
 from gearsim.surfaces.ruled_bevel import RuledBevelTooth
@@ -42,10 +43,6 @@ class FlankPath:
         """The slot's lengthwise curve as far as the path goes."""
         return LengthwiseLine(self.tooth.blank, self.tooth.spine, self.tooth.phi_at, self.run)
 
-    def contact_height(self, cone: NDArray | float) -> NDArray:
-        """Profile height h [mm] of the contact path: mid working depth (Zhou 4.23)."""
-        return np.asarray(self.tooth.blank.mid_working_depth_at(cone))
-
     @property
     def motion(self) -> CurveMotion:
         """The theoretical motion over the face and its run-in and run-out."""
@@ -55,22 +52,10 @@ class FlankPath:
 
     def poses(self, phi: NDArray, order: int) -> PoseSeries:
         """Tip and axis as series in the lengthwise parameter phi [rad], shape (n,) (Zhou 4.24-4.27)."""
-        tooth, sign = self.tooth, self.tooth.side_sign(self.side)
-        slope = sign * tan(tooth.pressure_angle)
-        spine = tooth.spine(phi, order + 1)
-        h = spine.cone * (0.5 * (tan(tooth.blank.face_angle - tooth.blank.pitch)
-                                 + tan(tooth.blank.pitch - tooth.blank.root_angle))) + float(
-            self.contact_height(0.0)
-        )  # fmt: skip
-        y = h * slope + sign * float(tooth.half_width(0.0))
-        origin, _ = tooth.flank(self.side).wall(spine)
-        along = origin.derivative() + y.column * spine.y.derivative() + h.column * spine.z.derivative()
-        rule = spine.y * slope + spine.z
-        into_gear = series.unit(series.cross(along, rule)) * -tooth.flank(self.side).orientation
-        contact = origin + spine.y * y.column + spine.z * h.column
-        distance = (h - tooth.fillet_height) * (1.0 / cos(tooth.pressure_angle))
-        contact = contact - into_gear * self.allowance
-        return tangent_pose(self.cutter, contact, series.unit(rule), into_gear, distance)
+        phi = np.asarray(phi, dtype=float)
+        contact, *frame = _contact(self.tooth, self.side, phi.tobytes(), order)
+        contact = contact - frame[1] * self.allowance
+        return tangent_pose(self.cutter, contact, *frame)
 
     def cl_motion(self, points: int) -> CLMotion:
         """The path as CL data with ``points`` points over the face, the run at the same spacing."""
@@ -81,6 +66,27 @@ class FlankPath:
         """Raise InputError where the cutter would cut the next tooth's tip away (`check_mouth`)."""
         phi, *mouth = _mouth(self.tooth, self.side)
         check_mouth(self.cutter, self.poses(phi, 0), *mouth)
+
+
+@lru_cache(maxsize=256)
+def _contact(tooth: RuledBevelTooth, side: Side, phi: bytes, order: int) -> tuple[Series, ...]:
+    """Contact, rule, direction into the gear and distance as ``tangent_pose`` wants them, whatever the cutter.
+
+    ``phi`` [rad] are a float array's bytes. What is kept serves the cutters and paths that are planned next.
+    """
+    sign = tooth.side_sign(side)
+    slope = sign * tan(tooth.pressure_angle)
+    spine = tooth.spine(np.frombuffer(phi), order + 1)
+    blank = tooth.blank
+    rise = 0.5 * (tan(blank.face_angle - blank.pitch) + tan(blank.pitch - blank.root_angle))
+    h = spine.cone * rise + float(blank.mid_working_depth_at(0.0))
+    y = h * slope + sign * float(tooth.half_width(0.0))
+    origin, _ = tooth.flank(side).wall(spine)
+    along = origin.derivative() + y.column * spine.y.derivative() + h.column * spine.z.derivative()
+    rule = spine.y * slope + spine.z
+    into_gear = series.unit(series.cross(along, rule)) * -tooth.flank(side).orientation
+    contact = origin + spine.y * y.column + spine.z * h.column
+    return contact, series.unit(rule), into_gear, (h - tooth.fillet_height) * (1.0 / cos(tooth.pressure_angle))
 
 
 @lru_cache(maxsize=8)
