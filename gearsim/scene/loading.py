@@ -60,9 +60,12 @@ def _built_in_text(name: str) -> str:
     return files("gearsim.scenes").joinpath(f"{name}.toml").read_text("utf-8")
 
 
-def scene_text(name_or_path: str) -> tuple[str, str, Path]:
-    """TOML text of a built-in scene or file, the name to use in messages, and its folder."""
-    path = Path(name_or_path)
+def scene_text(name_or_path: str, beside: Path | None = None) -> tuple[str, str, Path]:
+    """TOML text of a built-in scene or file, the name to use in messages, and its folder.
+
+    ``beside``: the folder in which relative paths begin, if it is not the working directory.
+    """
+    path = (beside or Path()) / name_or_path
     if name_or_path in _built_in():
         return _built_in_text(name_or_path), name_or_path, Path()
     if is_file(path) or (name_or_path and is_folder(path)):
@@ -98,13 +101,18 @@ def load_scene(name_or_path: str | Path, overrides: Sequence[str] = ()) -> tuple
     Raises InputError that lists every mistake found.
     """
     text, label, folder = scene_text(str(name_or_path))
-    try:
-        data = tomllib.loads(text)
-    except tomllib.TOMLDecodeError as error:
-        raise InputError(f"scene {label}: not valid TOML: {error}{_line_of(error, text)}") from error
+    data = toml_tables(text, f"scene {label}")
     for override in overrides:
         _override(data, override)
     return check_scene(data, label), folder
+
+
+def toml_tables(text: str, what: str) -> dict[str, Any]:
+    """The nested tables of a TOML text. Raises InputError with the line that is none, and ``what`` it should be."""
+    try:
+        return tomllib.loads(text)
+    except tomllib.TOMLDecodeError as error:
+        raise InputError(f"{what}: not valid TOML: {error}{_line_of(error, text)}") from error
 
 
 def _line_of(error: tomllib.TOMLDecodeError, text: str) -> str:
@@ -195,10 +203,23 @@ def _input_error(label: str, problems: list[str]) -> InputError:
 
 
 def _override(data: dict[str, Any], override: str) -> None:
-    """Apply one ``table.key=value`` to the tables; the value is read as TOML, else as a string."""
+    """Apply one ``table.key=value`` to the tables."""
+    key, value = read_override(override)
+    parts, table = key.split("."), data
+    for part in parts[:-1]:
+        table = table.setdefault(part, {})
+        if not isinstance(table, dict):
+            raise InputError(f"--set {override}: {part!r} is a value, not a table")
+    table[parts[-1]] = value
+
+
+def read_override(override: str) -> tuple[str, Any]:
+    """Key and value of one ``table.key=value``; the value is read as TOML, else as a string.
+
+    Raises InputError where it is no such assignment.
+    """
     key, equals, value = override.partition("=")
-    parts = key.strip().split(".")
-    if not equals or len(parts) < 2:
+    if not equals or "." not in key:
         raise InputError(f"--set {override}: expected table.key=value, for instance metrology.rows=9")
     try:
         parsed = tomllib.loads(f"value = {value}")
@@ -206,12 +227,7 @@ def _override(data: dict[str, Any], override: str) -> None:
         parsed = {"value": value}
     if list(parsed) != ["value"]:
         raise InputError(f"--set {override!r}: expected one value, for instance metrology.rows=9")
-    table = data
-    for part in parts[:-1]:
-        table = table.setdefault(part, {})
-        if not isinstance(table, dict):
-            raise InputError(f"--set {override}: {part!r} is a value, not a table")
-    table[parts[-1]] = parsed["value"]
+    return key.strip(), parsed["value"]
 
 
 def scene_table(scene: Scene) -> dict[str, Any]:

@@ -9,7 +9,6 @@ from typing import Any, get_args
 
 from pydantic import ValidationError
 
-from gearsim.scene.base import Scene
 from gearsim.scene.tables import Table
 
 _ALIKE = 0.6  # least likeness of a key to the one that may be meant
@@ -28,7 +27,7 @@ _WANTED = {
 }
 
 
-def explained(error: ValidationError, data: dict[str, Any], model: type[Scene]) -> list[str]:
+def explained(error: ValidationError, data: dict[str, Any], model: type[Table]) -> list[str]:
     """The mistakes that a validation of tables found, one line each."""
     return [_explain(e, data, model) for e in _first_causes(error.errors())]
 
@@ -42,7 +41,7 @@ def _first_causes(errors: Sequence[Any]) -> list[Any]:
     ]  # fmt: skip
 
 
-def _explain(error: Any, data: dict[str, Any], model: type[Scene]) -> str:
+def _explain(error: Any, data: dict[str, Any], model: type[Table]) -> str:
     """One validation error in words: the field, what came, what would be right."""
     where = _without_tags(error["loc"], data)
     field = ".".join(str(p) for p in where)

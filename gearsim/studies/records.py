@@ -56,7 +56,7 @@ class Study:
 
     ``source`` is the study as nested plain tables, as it was given; ``method`` how values were found
     (``grid``, ``list``, ``latin-hypercube``, ``sobol``, ``monte-carlo``) by which ``seed``. ``chunk``: so many
-    jobs are computed and kept together.
+    jobs are computed and kept together. ``notes``: what a user should know of it.
     """
 
     name: str
@@ -69,6 +69,7 @@ class Study:
     asked: Asked = Asked()
     chunk: int = 32
     source: Mapping[str, Any] = field(default_factory=dict)
+    notes: tuple[str, ...] = ()
 
     def __len__(self) -> int:
         """Jobs."""
