@@ -20,10 +20,11 @@ from gearsim.processes.brief import Brief, mapped
 from gearsim.processes.many import plan_many
 from gearsim.processes.run import plan
 from gearsim.scene import Scene
+from gearsim.scene.keys import put
 from gearsim.scene.loading import scene_of
 from gearsim.simulation.removal import prepare
 from gearsim.simulation.workshop import Workshop
-from gearsim.studies.records import Outcome, Study, SurfaceMap, Value
+from gearsim.studies.records import Outcome, Study, SurfaceMap
 
 _ONE_ROAD = "the envelope road was left out"
 
@@ -54,30 +55,6 @@ def tables_of(study: Study, job: int) -> dict[str, Any]:
     for key, value in study.values_of(job).items():
         put(tables, key, value)
     return tables
-
-
-def put(tables: dict[str, Any], key: str, value: Value) -> None:
-    """Set what stands at a dotted key, a number being a place in a list; tables on the way are made.
-
-    Raises InputError where the way leads through a value, or beyond a list's end.
-    """
-    *way, last = key.split(".")
-    at: Any = tables
-    for i, name in enumerate(way):
-        at = _step(at, name, key) if isinstance(at, list) else at.setdefault(name, {})
-        if not isinstance(at, dict | list):
-            raise InputError(f"{key}: {'.'.join(way[: i + 1])} is a value, not a table")
-    if isinstance(at, list):
-        _step(at, last, key)
-        at[int(last)] = value
-    else:
-        at[last] = value
-
-
-def _step(entries: list[Any], place: str, key: str) -> Any:
-    if not place.isdigit() or int(place) >= len(entries):
-        raise InputError(f"{key}: {place!r} is no place in a list of {len(entries)}; they count from 0")
-    return entries[int(place)]
 
 
 def _scene(study: Study, job: int) -> Scene | GearsimError:

@@ -50,14 +50,6 @@ def read_study(
     )  # fmt: skip
 
 
-def job_tables(study: Study, job: int) -> dict[str, Any]:
-    """The scene of a job, as nested plain tables."""
-    out = deepcopy(dict(study.tables))
-    for key, value in study.values_of(job).items():
-        put(out, key, value)
-    return out
-
-
 def _given(source: str | Path | Mapping[str, Any]) -> tuple[dict[str, Any], str, Path]:
     """The study's tables, the name to use in messages, and the folder of its file."""
     if not isinstance(source, Mapping):

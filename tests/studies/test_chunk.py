@@ -12,8 +12,9 @@ from gearsim.motion.sources import CLMotion
 from gearsim.processes.run import plan, run_job
 from gearsim.programs.cldata import CLPath, CLProgram, CLTool, as_read, format_cl, parse_cl
 from gearsim.scene import load_scene
+from gearsim.scene.keys import put
 from gearsim.scene.loading import scene_table
-from gearsim.studies.chunk import put, run_chunk, tables_of
+from gearsim.studies.chunk import run_chunk, tables_of
 from gearsim.studies.records import Asked, Parameter, Study
 
 SMALL = (

@@ -6,7 +6,8 @@ import pytest
 from gearsim.errors import InputError
 from gearsim.scene import check_scene
 from gearsim.scene.study_files import study_names
-from gearsim.studies.reading import job_tables, read_study
+from gearsim.studies.chunk import tables_of
+from gearsim.studies.reading import read_study
 
 TEXT = """
 [study]
@@ -42,7 +43,7 @@ def test_built_in_studies_are_read_and_comment_every_value(name):
     assert study.name == name
     assert len(study) >= 20
     assert len(study.summary) > 20
-    check_scene(job_tables(study, len(study) - 1), name)
+    check_scene(tables_of(study, len(study) - 1), name)
 
 
 def test_a_study_has_the_scene_s_tables_under_what_is_fixed_and_its_jobs_differ_in_what_varies(tables):
@@ -51,7 +52,7 @@ def test_a_study_has_the_scene_s_tables_under_what_is_fixed_and_its_jobs_differ_
     assert study.asked.measure == ("maps", "iso")
     assert (study.tables["metrology"]["rows"], study.tables["metrology"]["columns"]) == (5, 7)
     assert study.source == tables
-    first, last = job_tables(study, 0), job_tables(study, 19)
+    first, last = tables_of(study, 0), tables_of(study, 19)
     assert [t["errors"].pop("pivot_um") for t in (first, last)] == [
         [0.0, 0.0, study.parameters[0].values[k]] for k in (0, 19)
     ]
@@ -67,7 +68,7 @@ def test_keys_lead_into_lists_and_tables_that_the_scene_s_file_leaves_out(tables
     tables["vary"].append({"key": "tools.0.diameter_mm", "low": 3.0, "high": 3.1})
     study = read_study(tables)
     assert "modification" not in study.tables["surface"]
-    scene = check_scene(job_tables(study, 7), "job")
+    scene = check_scene(tables_of(study, 7), "job")
     values = study.values_of(7)
     assert scene.surface.modification.helix_crowning_um == values["surface.modification.helix_crowning_um"]
     assert scene.tools[0].diameter_mm == values["tools.0.diameter_mm"]
