@@ -8,12 +8,15 @@ import shutil
 from collections.abc import Mapping, Sequence
 from functools import cached_property
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from gearsim.errors import InputError, is_file
 from gearsim.studies.records import Outcome, Study
 from gearsim.studies.study_file import Digests, as_json, differences, read_study_file, sources
 from gearsim.studies.writing import Writer, refused, sha256
+
+if TYPE_CHECKING:
+    from gearsim.studies.map_files import ArrayKind
 
 STUDY, PARTS, MAPS, GRIDS_KEPT, MANIFEST = "study.json", "parts", "maps.zarr", "parts/grids", "manifest.json"
 NOTE = b"gearsim.part"
@@ -126,12 +129,30 @@ class Store:
         if [o.job for o in outcomes] != list(self.study.jobs_of(chunk)):
             raise ValueError(f"chunk {chunk} has jobs {self.study.jobs_of(chunk)}, got {[o.job for o in outcomes]}")
         table = table_of(self.study, outcomes)
-        self._remove([self.folder / MANIFEST])
+        self.open_again()
         note = self._put_maps(chunk, outcomes) | {"seconds": dict(seconds), "device": device}
         with self._writer.into(self.part(chunk)) as scratch:
             pq.write_table(table.replace_schema_metadata({NOTE: json.dumps(note)}), scratch, write_page_checksum=True)
         stale = (self.folder / PARTS).glob(f"{chunk:06d}-*.parquet")
         self._remove([file for file in stale if file != self.part(chunk) and _PART.fullmatch(file.name)])
+
+    def forget(self, chunk: int) -> None:
+        """Drop a chunk's part, so that the chunk is not done."""
+        self._remove([self.part(chunk)])
+
+    def open_again(self) -> None:
+        """Say that the data set is not complete: it has no manifest until it is finished."""
+        self._remove([self.folder / MANIFEST])
+
+    def finish(self, exr: bool = False) -> dict[str, int]:
+        """Make the data set of all chunks; how many jobs have each verdict.
+
+        ``exr``: also an EXR file a job; once there, they are made anew without being asked for. Raises InputError
+        where chunks are missing, or are not as they were written.
+        """
+        from gearsim.studies.data_set import join
+
+        return join(self, self._writer, exr)
 
     def _put_maps(self, chunk: int, outcomes: Sequence[Outcome]) -> dict[str, Any]:
         """Write the chunk's files of all arrays; what its part says of them."""
@@ -144,7 +165,7 @@ class Store:
             surfaces[surface] = {"shape": shape, "grid": grid_digest(outcomes, surface), "first": first}
             for field, kind in kinds_of(self.study, surface, shape).items():
                 group = GRIDS_KEPT if field in GRIDS else MAPS
-                self._describe(self.folder / group / kind.described, kind.files()[kind.described], surface)
+                self._describe(kind, self.folder / group, surface)
                 data = kind.chunk_file(values_of(field, kind, surface, outcomes))
                 file = f"{group}/{kind.place(chunk)}"
                 if data is not None:
@@ -153,13 +174,14 @@ class Store:
         self._remove([file for file in self._all_of(chunk) if file.relative_to(self.folder).as_posix() not in files])
         return {"files": files, "surfaces": surfaces}
 
-    def _describe(self, file: Path, data: bytes, surface: str) -> None:
+    def _describe(self, kind: ArrayKind, group: Path, surface: str) -> None:
         """Write an array's metadata, or see that what stands there is of the same shape."""
+        file, here = group / kind.described, list(kind.shape)
         if not is_file(file):
-            self._writer.put(file, data)
+            self._writer.put(file, kind.files()[kind.described])
             return
-        here, there = (json.loads(text)["shape"] for text in (data, file.read_bytes()))
-        if here != there and here[1:] != there:  # of what all jobs share the jobs are left out
+        there = json.loads(file.read_bytes())["shape"]
+        if here != there:
             raise InputError(f"{surface}: expected maps of shape {there[1:3]} as in the other jobs, got {here[1:3]}")
 
     def _all_of(self, chunk: int) -> list[Path]:

@@ -46,7 +46,7 @@ def kinds(
         "normal": (vectors, {"units": "1", "long_name": f"unit normal out of the material {of}"}),
     }
     for field in ("deviation_um", "crossing"):
-        told[field][1]["coordinates"] = places
+        told[field][1].update(coordinates=places, surface=surface)
     size = {row: shape[0], column: shape[1], "xyz": 3}
     out = {}
     for field, (names, attributes) in told.items():

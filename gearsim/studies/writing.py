@@ -49,6 +49,15 @@ class Writer:
         except OSError as error:
             raise refused(self.folder, error) from error
 
+    def link(self, source: Path, file: Path) -> None:
+        """Let a file have the contents of another one, without a copy where the disk can; else as ``put``."""
+        with self.into(file) as scratch:
+            scratch.unlink()
+            try:
+                os.link(source, scratch)
+            except OSError:
+                shutil.copyfile(source, scratch)
+
     def _made(self) -> Path:
         if self._scratch is None or not self._scratch.is_dir():
             with making(self.folder):
