@@ -7,6 +7,7 @@ f64 = wp.float64
 SAME = wp.constant(f64(1.0e-12))  # distances this close to each other, in shares of 1 mm more than they are, are one
 ON = wp.constant(f64(1.0e-9))
 NO_SIZE = wp.constant(f64(1.0e-300))
+GREAT = wp.constant(f64(1.0e4))  # an arc's radius [mm] whose rounding is seen beside what is asked of its points
 
 # Columns of Meridian.elements.
 START_R = wp.constant(0)
@@ -57,6 +58,11 @@ def meridian_at(meridian: Meridian, i: int, s: f64) -> MeridianPoint:
         at.nz = wp.sin(angle)
         at.r = e[i, CENTRE_R] + rho * at.nr
         at.z = e[i, CENTRE_Z] + rho * at.nz
+        if rho > GREAT:
+            half = f64(0.5) * s / rho
+            chord = f64(2.0) * rho * wp.sin(half)
+            at.r = e[i, START_R] - chord * wp.sin(e[i, FIRST] + half)
+            at.z = e[i, START_Z] + chord * wp.cos(e[i, FIRST] + half)
         at.bend = f64(1.0) / rho
         return at
     at.nr = e[i, TANGENT_Z]
