@@ -24,7 +24,7 @@ from gearsim.surfaces.patch import Patch
 if TYPE_CHECKING:
     from gearsim.metrology.job import Job
 
-_NEAR = 0.05
+_NEAR = (0.05, 0.5, 2.0)
 _MOST = 4000
 _MARGIN = 1.5
 
@@ -66,7 +66,10 @@ class DexelInspection:
         cuts = yield [Cut(self.box.rays(axis), variant) for axis in range(3)]
         bundles = [machined_stock(self.box, axis, job.part.stock, cut) for axis, cut in enumerate(cuts)]
         points = np.concatenate([b.cut_points()[0] for b in bundles])
-        feet = [_feet(inspection.grid(job), points) for inspection in self.grids]
+        for near in _NEAR:
+            feet = [_feet(inspection.grid(job), points, near) for inspection in self.grids]
+            if any(len(distance) for _, distance in feet):
+                break
         removed = yield [Cut(rays, variant) for rays, _ in feet]
         gaps = [_foot_gaps(distance, cut) for (_, distance), cut in zip(feet, removed, strict=True)]
         checked = sum(map(len, gaps))
@@ -87,13 +90,13 @@ def slot_box(patches: Sequence[Patch], blank: BevelBlank, pitch: float) -> Dexel
     return DexelBox(local, points.min(axis=0) - _MARGIN, points.max(axis=0) + _MARGIN, pitch)
 
 
-def _feet(grid: SampleGrid, points: NDArray) -> tuple[RayBundle, NDArray]:
+def _feet(grid: SampleGrid, points: NDArray, within: float) -> tuple[RayBundle, NDArray]:
     """Rays along the normals at the feet of points near a surface, and how far [mm] these lie from it.
 
     At most a few thousand, evenly picked.
     """
-    distance, u, v = signed_distance(grid, points, _NEAR)
-    near = np.flatnonzero(np.abs(distance) < _NEAR)
+    distance, u, v = signed_distance(grid, points, within)
+    near = np.flatnonzero(np.abs(distance) < within)
     near = near[:: max(1, len(near) // _MOST)]
     return window_rays(grid.patch, u[near], v[near], grid.patch.jet(u[near], v[near]).normal), distance[near]
 
