@@ -198,7 +198,7 @@ class GridInspection:
             yield f"{last} cuts no sample of {self.surface}: the two roads compared nothing"
         for name in (*self.witnessed, *([self.last] if self.last in found else [])):
             yield from no_agreement(f"{self.surface} under {name}", found[name].gap)
-        if self.generating:
+        if self.generating in found:
             yield from self._not_its_own(found[self.generating])
 
     def _remarks(self, found: dict[str, GridMeasurement]) -> list[str]:

@@ -7,6 +7,7 @@ from pathlib import Path
 from gearsim.metrology.job import Job
 from gearsim.motion.sources import CurveMotion
 from gearsim.processes.claims import Claim, head_claims
+from gearsim.processes.errors import error_notes, mounted
 from gearsim.processes.frames import GEAR_FRAME
 from gearsim.processes.generated import Sweep, generated_job
 from gearsim.processes.parts import held
@@ -20,14 +21,17 @@ def plan(scene: FaceMillingScene, folder: Path) -> Job:
     """
     tooth = scene.tooth()
     tooth.check()
-    motion = CurveMotion(tooth.poses, *tooth.motion_range)
+    errors, real, run = scene.errors, scene.real(), tooth.motion_range
+    nominal = (tooth.head, CurveMotion(tooth.poses, *run)) if errors.acting() else None
     if tooth.generated:
         name, text = "roll", "generating roll: cradle and work turn together, continuously"
     else:
         name, text = "plunge", "infeed along the head's axis, cradle and work at rest"
-    cut = Sweep(tooth.head, tuple(tooth.patches), {name: motion})
+    motion = mounted(CurveMotion(real.poses, *run), errors)
+    cut = Sweep(real.head, tuple(tooth.patches), {name: motion}, nominal=nominal)
     on_blank = held(name, tooth, scene.metrology.tooth)
-    return generated_job(scene, [cut], {name: text}, GEAR_FRAME, blank=tooth.blank, tooth=on_blank)
+    told = error_notes(errors)
+    return generated_job(scene, [cut], {name: text}, GEAR_FRAME, blank=tooth.blank, notes=told, tooth=on_blank)
 
 
 def claims(scene: FaceMillingScene, folder: Path) -> list[Claim]:

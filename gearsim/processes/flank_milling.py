@@ -11,6 +11,7 @@ from pathlib import Path
 import numpy as np
 
 from gearsim.cutters.profile import Profile
+from gearsim.errors import InputError
 from gearsim.metrology.convergence import Series
 from gearsim.metrology.dexel_check import DexelInspection, slot_box
 from gearsim.metrology.grid import COARSE, GridInspection
@@ -21,9 +22,10 @@ from gearsim.metrology.mean_profile import ProfileInspection, Published
 from gearsim.metrology.other_spaces import SpacesInspection
 from gearsim.metrology.rapid_check import RapidInspection
 from gearsim.metrology.root import RootInspection
-from gearsim.motion.sources import CLMotion
+from gearsim.motion.sources import CLMotion, MotionSource
 from gearsim.processes.cl_tools import cl_cutters, cl_operations
 from gearsim.processes.claims import Claim, Swept
+from gearsim.processes.errors import error_notes, mounted
 from gearsim.processes.flank_program import machine_program
 from gearsim.processes.parts import Limits, bevel_part, held
 from gearsim.processes.settings import settings
@@ -70,16 +72,17 @@ def plan(scene: FlankMillingScene, folder: Path) -> Job:
     files = {"toolpath.cl": text}
     if scene.program:
         files["program.nc"] = machine_program(scene, scene.program, program, cutters)
+    real = real_cutters(scene, cutters)
     return Job(
         name=scene.name,
         part=part,
-        variants=tuple(_variants(scene, program, planners, cutters, holders)),
+        variants=tuple(_variants(scene, program, planners, real, holders)),
         main=PROGRAM,
         inspections=(*_inspections(scene, tooth, program, planners), *held(PROGRAM, tooth, m.tooth)),
         settings=settings(scene),
         scene=scene_table(scene),
         files=files,
-        notes=told,
+        notes=(*told, *error_notes(scene.errors)),
         conventions={"grids": "rows root to tip, columns toe to heel"},
     )
 
@@ -101,7 +104,10 @@ def tooth_and_part(surface: RuledBevelTable | FaceMilledFlankTable, within: Limi
 
 
 def claims(scene: FlankMillingScene, folder: Path) -> list[Claim]:
-    """The envelopes of the cutter's profile elements under each flank's planned path, or each path of its CL file."""
+    """The envelopes of the cutter's profile elements under each flank's planned path, or each path of its CL file.
+
+    Nothing has errors here.
+    """
     cutter, table = scene.tool(), scene.toolpath
     if table.file is None:
         return [Swept(p.motion, cutter, side) for side, p in scene.planners().items()]
@@ -110,6 +116,17 @@ def claims(scene: FlankMillingScene, folder: Path) -> list[Claim]:
     cuts = [p for p in program.paths if p.name != RAPID]
     names = [_numbered([p.name for p in cuts[: i + 1]]) for i in range(len(cuts))]
     return [Swept(CLMotion(p.tips, p.axes), cutters[p.tool], name) for p, name in zip(cuts, names, strict=True)]
+
+
+def real_cutters(scene: FlankMillingScene, cutters: Sequence[Profile]) -> tuple[Profile, ...]:
+    """The program's cutters, that of the scene with its errors. Raises InputError where it is none of them."""
+    nominal, real = scene.tool(), scene.real_tool()
+    if real != nominal and nominal not in cutters:
+        raise InputError(
+            f"errors: {', '.join(t for t in scene.errors.acting() if t.startswith('tool_'))}: they are those of "
+            f"[cutter], but no tool of {scene.toolpath.file} is like it"
+        )
+    return tuple(real if cutter == nominal else cutter for cutter in cutters)
 
 
 def _numbered(names: list[str]) -> str:
@@ -132,22 +149,22 @@ def _variants(
     scene: FlankMillingScene, program: CLProgram, planners: Mapping[Side, FlankPass], cutters: Sequence[Profile],
     holders: Sequence[Profile | None],
 ) -> Iterator[Variant]:  # fmt: skip
-    tolerance, cutter = scene.simulation.compile_tolerance_mm, scene.tool()
-    sources = [CLMotion(p.tips, p.axes) for p in program.paths]
+    tolerance, cutter, errors = scene.simulation.compile_tolerance_mm, scene.real_tool(), scene.errors
+    sources = [mounted(CLMotion(p.tips, p.axes), errors) for p in program.paths]
     whole = Variant(PROGRAM, _CONVENTIONS[PROGRAM], cl_operations(program, cutters, sources, tolerance, holders))
     yield whole
     for side in SIDES:
         own = own_paths(program, side)
         rest = [i for i in range(len(sources)) if i not in own]
         if side in planners:
-            exact = operation(f"{side} flank, continuous", cutter, [planners[side].motion], tolerance)
+            exact = operation(f"{side} flank, continuous", cutter, [mounted(planners[side].motion, errors)], tolerance)
             yield Variant(THEORY, _CONVENTIONS[THEORY], (exact,), (side,))
         yield Variant(OWN, _CONVENTIONS[OWN], _along(whole, own), (side,))
         if rest:
             yield Variant(OTHERS, _CONVENTIONS[OTHERS], _along(whole, rest), (side,))
         if side in planners:
             for n in scene.metrology.convergence:
-                yield _of_points(n, side, planners[side], cutter, tolerance)
+                yield _of_points(n, side, mounted(planners[side].cl_motion(n), errors), cutter, tolerance)
 
 
 def _along(whole: Variant, paths: Sequence[int]) -> tuple[Operation, ...]:
@@ -155,8 +172,8 @@ def _along(whole: Variant, paths: Sequence[int]) -> tuple[Operation, ...]:
     return whole.chosen(lambda _, operation: np.isin(operation.step, paths)).operations
 
 
-def _of_points(n: int, side: Side, planner: FlankPass, cutter: Profile, tolerance: float) -> Variant:
-    given = operation(f"{side} flank, {n} points", cutter, [planner.cl_motion(n)], tolerance)
+def _of_points(n: int, side: Side, motion: MotionSource, cutter: Profile, tolerance: float) -> Variant:
+    given = operation(f"{side} flank, {n} points", cutter, [motion], tolerance)
     return Variant(f"N = {n}", f"the flank's own pass as {n} CL points", (given,), (side,))
 
 

@@ -14,7 +14,8 @@ from gearsim.motion.segments import SegmentTable, compile_cl
 from gearsim.motion.sources import CLMotion
 from gearsim.processes.brief import Brief, shortened
 from gearsim.processes.cl_tools import cl_operations
-from gearsim.processes.flank_milling import PROGRAM, limits, plan, tooth_and_part
+from gearsim.processes.errors import mounted
+from gearsim.processes.flank_milling import PROGRAM, limits, plan, real_cutters, tooth_and_part
 from gearsim.processes.settings import settings
 from gearsim.processes.slot_program import slot_program
 from gearsim.programs.cldata import CLProgram, as_read
@@ -70,8 +71,8 @@ def _half(scene: FlankMillingScene) -> _Half:
     tooth, part = tooth_and_part(scene.surface, limits(scene.metrology))
     planned = slot_program(scene, tooth, scene.planners())
     program = as_read(planned.program, scene.toolpath.decimals)
-    sources = tuple(CLMotion(p.tips, p.axes) for p in program.paths)
-    return _Half(scene, part, program, sources, tuple(tool.cutter for tool in planned.tools))
+    sources = tuple(mounted(CLMotion(p.tips, p.axes), scene.errors) for p in program.paths)
+    return _Half(scene, part, program, sources, real_cutters(scene, [tool.cutter for tool in planned.tools]))
 
 
 def _compiled(halves: dict[int, _Half]) -> dict[int, Job | GearsimError]:

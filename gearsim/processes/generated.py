@@ -24,9 +24,10 @@ from gearsim.surfaces.blank import BevelBlank
 from gearsim.surfaces.part import Intended, Part, Tolerance
 from gearsim.surfaces.patch import Patch
 
-OTHERS = "other cuts"
+OTHERS, NOMINAL = "other cuts", "nominal"
+_GENERATES = "generates the surfaces; the others are measured against them"
 _CONVENTIONS = {
-    "motions": "the first one generates the surfaces; the others are measured against them",
+    "motions": f"the first one {_GENERATES}",
     "missing": "the closed form has no point there",
     "trimmed": "the generating motion itself cuts deeper there with another pose",
     "grids": "rows root (tip of the tool) to tip (its shank), columns along the motion or toe to heel",
@@ -38,7 +39,8 @@ class Sweep:
     """One tool, the surfaces it generates, and the motions they are measured under, the generating one first.
 
     ``sampled`` gives a motion made of N points, for those that converge to the generating one; ``lines`` those of the
-    program that the points of a motion stand in, for those that have one.
+    program that the points of a motion stand in, for those that have one. Where the tool and the motions have errors
+    the tool and the motion that generate the surfaces stand beside them as ``nominal``.
     """
 
     cutter: Profile
@@ -46,10 +48,16 @@ class Sweep:
     sources: dict[str, MotionSource]
     sampled: dict[str, Callable[[int], MotionSource]] = field(default_factory=dict)
     lines: dict[str, Sequence[int]] = field(default_factory=dict)
+    nominal: tuple[Profile, MotionSource] | None = None
 
     @property
     def surfaces(self) -> tuple[str, ...]:
         return tuple(patch.name for patch in self.patches)
+
+    @property
+    def generating(self) -> str:
+        """The name of the motion that generates the surfaces."""
+        return next(iter(self.sources)) if self.nominal is None else NOMINAL
 
 
 def generated_job(
@@ -62,6 +70,10 @@ def generated_job(
     ``tooth`` holds the surfaces against what their part demands; without it nothing does. Raises InputError where
     ``metrology.judged`` names a motion that there is not.
     """
+    conventions, own = dict(_CONVENTIONS), sweeps[0].generating
+    if own == NOMINAL:
+        texts = {**texts, NOMINAL: "the generating motion, and its tool, without the scene's errors"}
+        conventions["motions"] = f"the one called {NOMINAL} {_GENERATES}"
     judged = _judged(scene.metrology.judged, list(texts))
     tolerance = Tolerance.both(scene.metrology.tolerance_um) if judged else None
     patches = [patch for sweep in sweeps for patch in sweep.patches]
@@ -70,12 +82,12 @@ def generated_job(
         part=Part(frame, blank.stock if blank else None, {p.name: Intended(p, tolerance) for p in patches}),
         variants=(*(v for sweep in sweeps for v in _variants(scene, sweep, texts)), *_other_cuts(scene, sweeps)),
         main=judged[-1] if judged else next(iter(texts)),
-        inspections=(*_inspections(scene, sweeps, blank, judged, _remark(texts, judged, tooth)), *tooth),
+        inspections=(*_inspections(scene, sweeps, blank, judged, _remark(texts, own, judged, tooth)), *tooth),
         settings=settings(scene),
         scene=scene_table(scene),
         files=files or {},
         notes=notes,
-        conventions=_CONVENTIONS,
+        conventions=conventions,
     )
 
 
@@ -94,6 +106,9 @@ def _variants(scene: GeneratedScene, sweep: Sweep, texts: dict[str, str]) -> Ite
         lines = [sweep.lines[name]] if name in sweep.lines else ()
         alone = operation(name, sweep.cutter, [source], tolerance, lines=lines)
         yield Variant(name, texts[name], (alone,), sweep.surfaces)
+    if sweep.nominal is not None:
+        cutter, source = sweep.nominal
+        yield Variant(NOMINAL, texts[NOMINAL], (operation(NOMINAL, cutter, [source], tolerance),), sweep.surfaces)
     for name, make in sweep.sampled.items():
         for n in scene.metrology.convergence:
             given = operation(f"{name}, {n} points", sweep.cutter, [make(n)], tolerance)
@@ -125,12 +140,12 @@ def _inspections(
             yield SpacesInspection(judged[-1], gear.teeth, grids)
         if blank is not None:
             box = slot_box(sweep.patches, blank, scene.simulation.dexel_pitch_mm)
-            yield DexelInspection(grids[0].generating, box, grids)
+            yield DexelInspection(grids[0].variants[0], box, grids)
 
 
-def _remark(texts: dict[str, str], judged: tuple[str, ...], tooth: tuple[ToothInspection, ...]) -> str:
-    """That the generating motion, which is the first one, is measured against itself; and motions not judged."""
-    own, told = next(iter(texts)), []
+def _remark(texts: dict[str, str], own: str, judged: tuple[str, ...], tooth: tuple[ToothInspection, ...]) -> str:
+    """That the generating motion, ``own``, is measured against itself; and motions not judged."""
+    told = []
     if own in judged:
         alone = "" if tooth else "; no blank says what the part demands"
         told = [f"under {own} the surfaces are measured against themselves, as its own envelope{alone}"]
@@ -141,10 +156,10 @@ def _remark(texts: dict[str, str], judged: tuple[str, ...], tooth: tuple[ToothIn
 def _grid(
     m: GeneratedMetrologyTable, sweep: Sweep, surface: str, judged: tuple[str, ...], remark: str, others: str
 ) -> GridInspection:
-    names = tuple(sweep.sources)
+    names = (*sweep.sources, *[NOMINAL] * (sweep.nominal is not None))
     points = m.convergence
     series = [Series(name, names[0], points, tuple(_of_points(name, n) for n in points)) for name in sweep.sampled]
     return GridInspection(
-        surface, names, names, m.rows, m.columns, m.margin, m.window, judged=judged, generating=names[0],
+        surface, names, names, m.rows, m.columns, m.margin, m.window, judged=judged, generating=sweep.generating,
         series=tuple(series) if points else (), remark=remark, strangers=others,
     )  # fmt: skip

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
@@ -13,13 +14,15 @@ from gearsim.metrology.job import Job
 from gearsim.motion.axes import AxisMotion
 from gearsim.motion.sources import CurveMotion, MotionSource
 from gearsim.processes.claims import Claim, head_claims
+from gearsim.processes.errors import error_notes, mounted
 from gearsim.processes.frames import PINION_FRAME
 from gearsim.processes.generated import Sweep, generated_job
 from gearsim.processes.parts import held
 from gearsim.programs.axis_table import AxisTable, format_axis_table, parse_axis_table
 from gearsim.scene.generated import HypoidScene
+from gearsim.scene.tool_errors import HypoidErrorsTable
 from gearsim.surfaces.face_milled import FaceMilledTooth
-from gearsim.surfaces.patch import Patch
+from gearsim.surfaces.patch import SIDES, Patch, Side
 from gearsim.toolpaths.roll import roll_axes, roll_motion
 
 
@@ -30,18 +33,19 @@ def plan(scene: HypoidScene, folder: Path) -> Job:
     """
     pinion, machines = scene.pinion(), scene.machines()
     pinion.check()
-    sides = {"concave": pinion.concave, "convex": pinion.convex}
+    real, errors = scene.real(), scene.errors
     together = pinion.concave == pinion.convex
     whole = {"": pinion.concave.patches}
-    groups = whole if together else {s: [p for p in pinion.patches if p.side == s] for s in sides}
+    groups = whole if together else {s: [p for p in pinion.patches if p.side == s] for s in SIDES}
     cuts: list[Sweep] = []
     programs: dict[str, str] = {}
     notes: list[str] = []
     for label, patches in groups.items():
-        tooth = sides[label or "concave"]
-        paths = {name: _path(machine, tooth, scene.toolpath.rows) for name, machine in machines.items()}
+        side: Side = "convex" if label == "convex" else "concave"
+        cut = _Cut(pinion.cut(side), real[side], errors)
+        paths = {name: cut.path(machine, scene.toolpath.rows) for name, machine in machines.items()}
         tables = {name: _table(path, scene.toolpath.decimals) for name, path in paths.items()}
-        cuts.append(_cut(tooth, tuple(patches), machines, tables))
+        cuts.append(cut.sweep(tuple(patches), machines, tables))
         programs |= {f"axes-{name}{'-' * bool(label)}{label}.csv": text for name, text in tables.items()}
         notes += [f"{name}: {message}" for name, path in paths.items() for message in path.messages()]
     texts = {"roll": "generating roll of the cradle machine, continuously"}
@@ -52,14 +56,9 @@ def plan(scene: HypoidScene, folder: Path) -> Job:
     blank = pinion.blank if together else None
     on_blank = held("roll", pinion, scene.metrology.tooth)
     return generated_job(
-        scene, cuts, texts, PINION_FRAME, files=programs, blank=blank, notes=tuple(notes), tooth=on_blank
+        scene, cuts, texts, PINION_FRAME, files=programs, blank=blank, notes=(*notes, *error_notes(errors)),
+        tooth=on_blank,
     )  # fmt: skip
-
-
-def _path(machine: Machine, tooth: FaceMilledTooth, rows: int) -> AxisPath:
-    """Axis values over a head's roll, on the branch nearest to all axes at zero."""
-    start = np.zeros(len(machine.axes))
-    return roll_axes(machine, tooth.generator.frames, *tooth.motion_range, rows, near=start)
 
 
 def _table(path: AxisPath, decimals: int) -> str:
@@ -67,22 +66,35 @@ def _table(path: AxisPath, decimals: int) -> str:
     return format_axis_table(AxisTable(path.machine, values, 10 * np.arange(1, len(values) + 1)), decimals)
 
 
-def _cut(
-    tooth: FaceMilledTooth, patches: tuple[Patch, ...], machines: dict[str, Machine], tables: dict[str, str]
-) -> Sweep:
-    """One head's motions; what is simulated is read back from its tables of axis values."""
-    sources: dict[str, MotionSource] = {"roll": CurveMotion(tooth.poses, *tooth.motion_range)}
-    sampled: dict[str, Callable[[int], MotionSource]] = {}
-    lines: dict[str, Sequence[int]] = {}
-    for name, machine in machines.items():
+@dataclass(frozen=True)
+class _Cut:
+    """One head's cut: as intended, and with the errors of head, settings and mounting."""
 
-        def motion(rows: int, machine: Machine = machine) -> AxisMotion:
-            return roll_motion(_path(machine, tooth, rows))
+    nominal: FaceMilledTooth
+    real: FaceMilledTooth
+    errors: HypoidErrorsTable
 
-        read = parse_axis_table(tables[name], machine)
-        sources[name], lines[name] = AxisMotion(machine, read.values), read.lines
-        sampled[name] = motion
-    return Sweep(tooth.head, patches, sources, sampled, lines)
+    def path(self, machine: Machine, rows: int) -> AxisPath:
+        """Axis values over the head's roll, on the branch nearest to all axes at zero."""
+        start = np.zeros(len(machine.axes))
+        return roll_axes(machine, self.real.generator.frames, *self.nominal.motion_range, rows, near=start)
+
+    def sweep(self, patches: tuple[Patch, ...], machines: dict[str, Machine], tables: dict[str, str]) -> Sweep:
+        """The head's motions; what is simulated is read back from its tables of axis values."""
+        run = self.nominal.motion_range
+        sources: dict[str, MotionSource] = {"roll": mounted(CurveMotion(self.real.poses, *run), self.errors)}
+        sampled: dict[str, Callable[[int], MotionSource]] = {}
+        lines: dict[str, Sequence[int]] = {}
+        for name, machine in machines.items():
+
+            def motion(rows: int, machine: Machine = machine) -> MotionSource:
+                return mounted(roll_motion(self.path(machine, rows)), self.errors)
+
+            read = parse_axis_table(tables[name], machine)
+            sources[name], lines[name] = mounted(AxisMotion(machine, read.values), self.errors), read.lines
+            sampled[name] = motion
+        nominal = (self.nominal.head, CurveMotion(self.nominal.poses, *run)) if self.errors.acting() else None
+        return Sweep(self.real.head, patches, sources, sampled, lines, nominal)
 
 
 def claims(scene: HypoidScene, folder: Path) -> list[Claim]:

@@ -31,11 +31,14 @@ class CatalogueTable(Table):
 
     kind: str
 
+    def parameters(self) -> dict[str, Any]:
+        """What the catalogue's function is given; lengths in mm, angles in rad."""
+        given = {name: getattr(self, key) for name, key in _keys(_MAKERS[self.kind]).items()}
+        return {name: radians(v) if _is_angle(name) else v for name, v in given.items()}
+
     def build(self) -> Any:
         """The tool or machine. Raises InputError where the parameters are impossible."""
-        make = _MAKERS[self.kind]
-        given = {name: getattr(self, key) for name, key in _keys(make).items()}
-        return make(**{name: radians(v) if _is_angle(name) else v for name, v in given.items()})
+        return _MAKERS[self.kind](**self.parameters())
 
 
 class MillTable(CatalogueTable):

@@ -18,6 +18,7 @@ from gearsim.scene.holder import HolderTable, above
 from gearsim.scene.program import ProgramTable
 from gearsim.scene.slot_operations import RootTable, RoughingTable, SemiFinishingTable
 from gearsim.scene.tables import Angle, Count, GridTable, Length, LengthOrZero, Table
+from gearsim.scene.tool_errors import FlankErrorsTable, require_one_space
 from gearsim.surfaces.face_milled import FaceMilledTooth
 from gearsim.surfaces.patch import SIDES, Side, Tooth
 from gearsim.surfaces.ruled_bevel import STRAIGHT, RuledBevelTooth
@@ -152,6 +153,7 @@ class FlankMillingScene(Scene):
     semi_finishing: SemiFinishingTable | None = None
     root: RootTable | None = None
     program: ProgramTable | None = None
+    errors: FlankErrorsTable = FlankErrorsTable()
     metrology: MetrologyTable
     reference: ReferenceTable | None = None
 
@@ -185,11 +187,20 @@ class FlankMillingScene(Scene):
             raise ValueError(f"metrology.tooth: it is for teeth that a head generates, not {self.surface.kind}")
         return self
 
+    @model_validator(mode="after")
+    def _alike_spaces(self) -> FlankMillingScene:
+        require_one_space(self.errors, self.stock)
+        return self
+
     def tooth(self) -> Tooth:
         return self.surface.build()
 
     def tool(self) -> Profile:
         return _built(self.cutter)
+
+    def real_tool(self) -> Profile:
+        """What cuts along the tool's path: it with its errors. Raises InputError where it can be none."""
+        return self.errors.cutter(self.tool())
 
     def held(self) -> Profile | None:
         """What stands above the cutter's flutes, where it is given."""
@@ -216,4 +227,4 @@ class FlankMillingScene(Scene):
         program = (self.program.controlled, self.program.options) if self.program else ()
         others = [t for t in (self.roughing, self.semi_finishing, self.root) if t is not None]
         tools = (build for table in others for build in (table.cutter, partial(table.held, self.nose)))
-        return (self.tooth, self.tool, self.held, *tools, *program)
+        return (self.tooth, self.real_tool, self.held, *tools, *program)

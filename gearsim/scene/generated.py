@@ -13,8 +13,10 @@ from gearsim.scene.base import Scene
 from gearsim.scene.bevel import BevelBlankTable, GeneratorTable, HypoidBlankTable, Number, ToothTable
 from gearsim.scene.catalogue import AnyCutter, AnyMachine
 from gearsim.scene.tables import Count, FileName, GridTable, Length, Table
+from gearsim.scene.tool_errors import FaceMillingErrorsTable, HypoidErrorsTable, require_one_space
 from gearsim.surfaces.face_milled import FaceMilledTooth
 from gearsim.surfaces.hypoid import HypoidPinion
+from gearsim.surfaces.patch import SIDES, Side
 
 
 class GeneratedMetrologyTable(GridTable):
@@ -117,12 +119,24 @@ class FaceMillingScene(GeneratedScene):
     surface: FaceMilledTable
     metrology: ToothMetrologyTable
     generator: GeneratorTable
+    errors: FaceMillingErrorsTable = FaceMillingErrorsTable()
+
+    @model_validator(mode="after")
+    def _errors_that_act(self) -> FaceMillingScene:
+        require_one_space(self.errors, self.stock)
+        if not self.surface.generated and self.errors.generator.ratio_of_roll:
+            raise ValueError("errors.generator.ratio_of_roll: nothing rolls (surface.generated = false); remove it")
+        return self
 
     def tooth(self) -> FaceMilledTooth:
         return self.surface.tooth(self.tool(), self.generator)
 
+    def real(self) -> FaceMilledTooth:
+        """The slot's head and settings with their errors. Raises InputError where nothing could cut so."""
+        return self.errors.real(self.tooth(), self.cutter)
+
     def builders(self) -> tuple[Callable[[], object], ...]:
-        return (self.tooth,)
+        return (self.tooth, self.real) if self.errors.acting() else (self.tooth,)
 
 
 class HeadTable(Table):
@@ -162,12 +176,28 @@ class HypoidScene(GeneratedScene):
     convex: HeadTable | None = None
     machine: dict[FileName, AnyMachine]
     toolpath: RollTable = RollTable()
+    errors: HypoidErrorsTable = HypoidErrorsTable()
+
+    @model_validator(mode="after")
+    def _errors_that_act(self) -> HypoidScene:
+        require_one_space(self.errors, self.stock)
+        if self.convex is None and self.errors.convex.acting():
+            raise ValueError("errors.convex: one head cuts both flanks; give [convex] or remove the table")
+        return self
 
     def pinion(self) -> HypoidPinion:
         return self.surface.pinion(self.tool(), self.generator, self.convex)
+
+    def real(self) -> dict[Side, FaceMilledTooth]:
+        """Each flank's head and settings with their errors. Raises InputError where nothing could cut so."""
+        pinion = self.pinion()
+        found: dict[Side, FaceMilledTooth] = {s: self.errors.real(pinion.cut(s), self.cutter) for s in SIDES}
+        if self.convex is not None:
+            found["convex"] = self.errors.convex.real(pinion.convex, self.convex.cutter)
+        return found
 
     def machines(self) -> dict[str, Machine]:
         return {name: table.build() for name, table in self.machine.items()}
 
     def builders(self) -> tuple[Callable[[], object], ...]:
-        return (self.pinion, self.machines)
+        return (self.pinion, self.machines, *[self.real] * bool(self.errors.acting()))
