@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import lru_cache
 from pathlib import Path
 
 from gearsim.metrology.job import Job
@@ -12,6 +13,10 @@ from gearsim.processes.frames import GEAR_FRAME
 from gearsim.processes.generated import Sweep, generated_job
 from gearsim.processes.parts import held
 from gearsim.scene import FaceMillingScene
+from gearsim.scene.bevel import GeneratorTable
+from gearsim.scene.catalogue import CatalogueTable
+from gearsim.scene.generated import FaceMilledTable
+from gearsim.surfaces.face_milled import FaceMilledTooth
 
 
 def plan(scene: FaceMillingScene, folder: Path) -> Job:
@@ -19,8 +24,7 @@ def plan(scene: FaceMillingScene, folder: Path) -> Job:
 
     Raises InputError for a slot that no gear has.
     """
-    tooth = scene.tooth()
-    tooth.check()
+    tooth = _tooth(scene.surface, scene.cutter, scene.generator)
     errors, real, run = scene.errors, scene.real(), tooth.motion_range
     nominal = (tooth.head, CurveMotion(tooth.poses, *run)) if errors.acting() else None
     if tooth.generated:
@@ -32,6 +36,14 @@ def plan(scene: FaceMillingScene, folder: Path) -> Job:
     on_blank = held(name, tooth, scene.metrology.tooth)
     told = error_notes(errors)
     return generated_job(scene, [cut], {name: text}, GEAR_FRAME, blank=tooth.blank, notes=told, tooth=on_blank)
+
+
+@lru_cache(maxsize=8)
+def _tooth(surface: FaceMilledTable, cutter: CatalogueTable, generator: GeneratorTable) -> FaceMilledTooth:
+    """The slot that tables describe; kept, for jobs beside each other share it."""
+    tooth = surface.tooth(cutter.build(), generator)
+    tooth.check()
+    return tooth
 
 
 def claims(scene: FaceMillingScene, folder: Path) -> list[Claim]:

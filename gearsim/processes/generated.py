@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field
 from difflib import get_close_matches
+from functools import lru_cache
 
 from gearsim.cutters.profile import Profile
 from gearsim.errors import InputError
@@ -139,8 +140,11 @@ def _inspections(
         if gear is not None and judged:
             yield SpacesInspection(judged[-1], gear.teeth, grids)
         if blank is not None:
-            box = slot_box(sweep.patches, blank, scene.simulation.dexel_pitch_mm)
+            box = _box(sweep.patches, blank, scene.simulation.dexel_pitch_mm)
             yield DexelInspection(grids[0].variants[0], box, grids)
+
+
+_box = lru_cache(maxsize=8)(slot_box)  # jobs beside each other share it
 
 
 def _remark(texts: dict[str, str], own: str, judged: tuple[str, ...], tooth: tuple[ToothInspection, ...]) -> str:
