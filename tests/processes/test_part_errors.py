@@ -1,7 +1,9 @@
 """Errors of tools, generators and mountings: what a run measures of each, against a hand calculation."""
 
+import tomllib
 from dataclasses import replace
-from math import cos, pi, radians, sin, tan
+from importlib.resources import files
+from math import cos, pi, prod, radians, sin, tan
 from pathlib import Path
 
 import numpy as np
@@ -11,7 +13,7 @@ from gearsim.cli import main
 from gearsim.metrology.grid import DENSE, GridInspection, grids
 from gearsim.motion.sources import MovedMotion
 from gearsim.processes.run import plan, run, run_job
-from gearsim.scene import load_scene
+from gearsim.scene import load_scene, scene_names
 from gearsim.studies.chunk import run_chunk
 from gearsim.studies.records import Asked, Parameter, Study
 
@@ -216,6 +218,15 @@ def test_settings_off_move_what_the_roll_generates():
     check_settings(GENERATED, {k: 0.1 * value for k, value in SETTINGS.items()})  # the second order is 0.9 um of 20
 
 
+def test_another_ratio_of_roll_turns_the_head_about_the_gear_s_axis():
+    rng, phi = np.random.default_rng(2), np.array([0.1, -0.2, 0.3])
+    points, normals, more = rng.normal(size=(3, 3)), rng.normal(size=(3, 3)), 1e-5
+    by_chain = np.sum(
+        moved(load_scene(GENERATED)[0].generator.model_dump(), {"ratio_of_roll": more}, phi, points) * normals, 1
+    )
+    np.testing.assert_allclose(by_chain, -1e3 * more * phi * np.cross(points, normals)[:, 2], rtol=1e-4)
+
+
 def test_machine_centre_to_back_moves_all_along_the_gear_s_axis():
     for _, normals, deviation in cut(planned(FORMATE, "generator.machine_centre_to_back_um=8")).values():
         np.testing.assert_allclose(deviation, -8.0 * normals[:, 2], rtol=0.0, atol=2e-3)
@@ -304,3 +315,16 @@ def test_alike_spaces_and_a_gear_off_its_axis_exclude_each_other(capsys):
     for scene in (FLANK, GENERATED, HYPOID):
         assert main(["run", scene, "--dry-run", *whole]) == 2
         assert "the spaces of a gear off its axis are not alike" in capsys.readouterr().err
+
+
+def test_the_study_of_worn_blades_is_a_study_and_no_scene():
+    text = files("gearsim.scenes").joinpath("studies/blade-wear.toml").read_text("utf-8")
+    tables = tomllib.loads(text)
+    study = tables["study"]
+    assert "blade-wear" not in scene_names()
+    fixed = [f"{key}={value}" for key, value in study["set"].items()]
+    varied = [v["key"].removeprefix("errors.") for v in tables["vary"]]
+    assert prod(len(v["values"]) for v in tables["vary"]) == 75
+    most = [f"errors.{key}={v['values'][-1]}" for key, v in zip(varied, tables["vary"], strict=True)]
+    scene, _ = load_scene(study["scene"], (*fixed, *most))
+    assert scene.errors.acting() == ["head.edge_radius_um = 100", "head.inner_wear_um = 20", "head.outer_wear_um = 20"]
