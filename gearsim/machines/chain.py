@@ -143,7 +143,10 @@ class Machine:
 
     def slide_directions(self, values: NDArray) -> NDArray:
         """What a unit of each slide moves the tip by, workpiece frame: (n, 3, slides), columns as in ``axes``."""
-        still = self.constant(values)
+        return self.slide_direction_series(self.constant(values)).value
+
+    def slide_direction_series(self, values: list[Series]) -> Series:
+        """The same as exact series, (order + 1, n, 3, slides)."""
         together: dict[int, list[Joint]] = {}  # slides with the same rotary axes between them and the workpiece
         for i, joint in enumerate(self.chain):
             if not joint.is_rotary:
@@ -151,9 +154,9 @@ class Machine:
         columns = {}
         for slides in together.values():
             rows = np.stack([*(np.asarray(joint.direction) for joint in slides), np.zeros(3)])
-            moved = self.walk(still, rows, slides[0]).value
-            columns.update({joint.name: moved[:, i] for i, joint in enumerate(slides)})
-        return np.stack([columns[joint.name] for joint in self.joints if not joint.is_rotary], axis=-1)
+            moved = self.walk(values, rows, slides[0]).c
+            columns.update({joint.name: moved[..., i, :] for i, joint in enumerate(slides)})
+        return Series(np.stack([columns[joint.name] for joint in self.joints if not joint.is_rotary], axis=-1))
 
     def constant(self, values: NDArray) -> list[Series]:
         """Axis values (n, k) as series of order 0."""

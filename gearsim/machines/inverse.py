@@ -17,6 +17,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from gearsim.errors import InputError
+from gearsim.geometry import series
+from gearsim.geometry.series import Series
 from gearsim.machines.chain import Joint, Machine
 
 PARALLEL_RAD = 1e-12
@@ -77,6 +79,18 @@ def reach_tip(machine: Machine, values: NDArray, tip: NDArray) -> NDArray:
     rest = np.asarray(tip, dtype=float) - machine.forward(values)[0]
     values[:, : directions.shape[-1]] = np.linalg.solve(directions, rest[..., None])[..., 0]
     return values
+
+
+def reach_tip_series(machine: Machine, values: list[Series], tip: Series) -> list[Series]:
+    """Axis values as series, the rotary ones kept and the three slides set so that the tip (n, 3) [mm] is followed."""
+    still, slides = Series(np.zeros_like(values[0].c)), sum(not joint.is_rotary for joint in machine.joints)
+    turned = [still if i < slides else value for i, value in enumerate(values)]
+    rest = tip - machine.forward_series(turned).tip
+    directions = machine.slide_direction_series(turned).c
+    a, b, c = (Series(directions[..., i]) for i in range(3))
+    across = [series.cross(b, c), series.cross(c, a), series.cross(a, b)]
+    volume = series.dot(a, across[0])
+    return [*(series.dot(normal, rest) / volume for normal in across), *values[slides:]]
 
 
 def wrap(angle: NDArray) -> NDArray:
