@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -54,6 +55,11 @@ class ProgramMotion:
     def pieces(self) -> int:
         return len(self.rows)
 
+    @property
+    def share(self) -> NDArray[np.floating]:
+        """How much of its block's time every piece takes."""
+        return np.ones(self.pieces)
+
     def select(self, chosen: NDArray[np.bool_]) -> ProgramMotion:
         """The motion of the chosen blocks alone; ``chosen`` has one value a block."""
         return ProgramMotion(self.blocks, chosen)
@@ -64,10 +70,7 @@ class ProgramMotion:
 
     def frame(self, piece: NDArray, t: NDArray, order: int) -> FrameSeries:
         """The same with the tool's own turn, for machines that control it."""
-        piece, t = np.asarray(piece), np.asarray(t, dtype=float)
-        cuts = [slice(i, i + _AT_ONCE) for i in range(0, max(len(piece), 1), _AT_ONCE)]
-        parts = zip(*(self._frame(piece[cut], Series.variable(t[cut], order)) for cut in cuts), strict=True)
-        return FrameSeries(*(Series(np.concatenate([s.c for s in part], axis=1)) for part in parts))
+        return in_parts(self._frame, piece, t, order)
 
     def axes(self, piece: NDArray, time: Series) -> Series:
         """Axis values [mm, rad], shape (n, k), as they are without tip control."""
@@ -122,6 +125,14 @@ class ProgramMotion:
 
     def _name(self, block: int) -> str:
         return f"block {block + 1} (line {self.blocks.line[block]}) for {self.blocks.machine.name}"
+
+
+def in_parts(frame: Callable[[NDArray, Series], FrameSeries], piece: NDArray, t: NDArray, order: int) -> FrameSeries:
+    """What a function of pieces and of the time in them gives, asked for so many at once as stay in the cache."""
+    piece, t = np.asarray(piece), np.asarray(t, dtype=float)
+    cuts = [slice(i, i + _AT_ONCE) for i in range(0, max(len(piece), 1), _AT_ONCE)]
+    parts = zip(*(frame(piece[cut], Series.variable(t[cut], order)) for cut in cuts), strict=True)
+    return FrameSeries(*(Series(np.concatenate([s.c for s in part], axis=1)) for part in parts))
 
 
 def cutting(blocks: Blocks) -> ProgramMotion:

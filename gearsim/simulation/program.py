@@ -8,7 +8,9 @@ import numpy as np
 
 from gearsim.cutters.profile import Profile
 from gearsim.geometry.rigid import Rigid
+from gearsim.machines.errors import RealMachine
 from gearsim.motion.program import ProgramMotion
+from gearsim.motion.real_motion import RealMotion
 from gearsim.motion.segments import compile_motion
 from gearsim.motion.sources import MovedMotion
 from gearsim.programs.blocks import Blocks
@@ -19,23 +21,25 @@ _STILL = Rigid(np.eye(3), np.zeros(3))
 
 def program_operations(
     blocks: Blocks, cutters: Mapping[int, Profile], tolerance: float, *, shift: Rigid = _STILL, text: str = "",
-    headings: tuple[str, ...] = (), holders: Mapping[int, Profile] | None = None,
+    headings: tuple[str, ...] = (), holders: Mapping[int, Profile] | None = None, real: RealMachine | None = None,
 ) -> tuple[Operation, ...]:  # fmt: skip
     """One operation a tool that the blocks move, in the order of their numbers; a row's step is its block.
 
     ``shift`` takes what is seen from the program's zero to the part's frame. ``headings`` are the names that
-    the blocks' operations go by, ``holders`` what stands above the cutters. Blocks of other tools are left out.
+    the blocks' operations go by, ``holders`` what stands above the cutters. ``real`` is the machine that runs them
+    where it is not the one they were made for. Blocks of other tools are left out.
     """
     found = []
     for number in sorted(set(blocks.tool.tolist()) & set(cutters)):
-        cutter, source = cutters[number], ProgramMotion(blocks, blocks.tool == number)
+        cutter, program = cutters[number], ProgramMotion(blocks, blocks.tool == number)
+        source = program if real is None else RealMotion(program, real)
         table = compile_motion(source, cutter.reach, tolerance).moved(shift)
         step = source.rows[table.piece]
+        seconds = blocks.seconds[step] * source.share[table.piece] * (table.end - table.start)
         found.append(
             Operation(
                 f"T{number}", cutter, (MovedMotion(source, shift),), table, blocks.rapid[step], step, blocks.line[step],
-                blocks.operation[step], blocks.seconds[step] * (table.end - table.start), text=text, headings=headings,
-                holder=(holders or {}).get(number),
+                blocks.operation[step], seconds, text=text, headings=headings, holder=(holders or {}).get(number),
             )
         )  # fmt: skip
     return tuple(found)
