@@ -96,7 +96,8 @@ def disturbance(errors: ErrorsTable) -> Disturbance:
     """The scene's errors in mm."""
     x, y, z = (1e-3 * e for e in errors.pivot_um)
     return Disturbance(
-        1e-3 * errors.tool_radius_um, 1e-3 * errors.tool_runout_um, (x, y, z), 1e-3 * errors.eccentricity_um
+        1e-3 * errors.tool_radius_um, 1e-3 * errors.tool_runout_um, (x, y, z), 1e-3 * errors.eccentricity_um,
+        errors.of_axes(),
     )  # fmt: skip
 
 

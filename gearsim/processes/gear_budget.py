@@ -87,11 +87,11 @@ def disturbed_operations(
     headings: tuple[str, ...] = (), holders: Mapping[int, Profile] | None = None,
 ) -> tuple[Machined, ...]:  # fmt: skip
     """A program's operations as a disturbed machine runs them, relative to the gear."""
-    run = replace(blocks, machine=real.machine(blocks.machine))
     cutters = {number: real.cutter(tool) for number, tool in tools.items() if number in set(blocks.tool.tolist())}
     return program_operations(
-        run, cutters, tolerance, shift=real.mounting, text=text, headings=headings, holders=holders
-    )
+        blocks, cutters, tolerance, shift=real.mounting, text=text, headings=headings, holders=holders,
+        real=real.machine(blocks.machine),
+    )  # fmt: skip
 
 
 def causes(plan: _Planner, sizes: BudgetTable) -> Iterator[Cause]:

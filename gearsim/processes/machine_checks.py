@@ -19,6 +19,7 @@ from gearsim.metrology.job import Job
 from gearsim.metrology.stock_check import StockInspection
 from gearsim.motion.axes import AxisMotion
 from gearsim.motion.program import ProgramMotion
+from gearsim.motion.real_motion import RealMotion
 from gearsim.motion.sources import CLMotion, MotionSource, MovedMotion
 from gearsim.processes.flank_program import CLAMPED
 from gearsim.programs.blocks import Blocks
@@ -100,7 +101,10 @@ def _frame(job: Job) -> Rigid:
 
 
 def _bare(source: MotionSource) -> MotionSource:
-    return source.source if isinstance(source, MovedMotion) else source
+    """A motion as its program has it: neither moved nor with a machine's errors."""
+    while isinstance(source, MovedMotion | RealMotion):
+        source = source.source if isinstance(source, MovedMotion) else source.program
+    return source
 
 
 def _linear(operation: Operation, source: AxisMotion) -> Blocks:

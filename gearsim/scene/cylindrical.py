@@ -12,12 +12,14 @@ from gearsim.cutters.end_mills import flat
 from gearsim.cutters.profile import Profile
 from gearsim.errors import InputError
 from gearsim.machines.chain import Machine
+from gearsim.machines.errors import RealMachine
 from gearsim.programs.gcode import ReadSettings
 from gearsim.scene.base import Scene, SimulationTable
 from gearsim.scene.bevel import Number
 from gearsim.scene.catalogue import AnyRunMachine
 from gearsim.scene.cylindrical_paths import EndMillTable, GearPathTable
 from gearsim.scene.holder import above_mill
+from gearsim.scene.machine_errors import MachineErrorsTable
 from gearsim.scene.program import ControlTable, PostTable
 from gearsim.scene.tables import Angle, Count, GridTable, Length, LengthOrZero, Table
 from gearsim.surfaces.cylindrical_gear import CylindricalGear
@@ -130,7 +132,7 @@ class GearProgramTable(PostTable):
     dialect: Literal["fanuc", "linuxcnc"] = "fanuc"
 
 
-class ErrorsTable(Table):
+class ErrorsTable(MachineErrorsTable):
     """Table [errors]: how the machine that cuts differs from the planned one."""
 
     tool_radius_um: Micrometres = 0.0
@@ -246,10 +248,14 @@ class CylindricalGearScene(Scene):
         machine: Machine = self.machine.build()
         return machine
 
+    def faulty(self) -> RealMachine | None:
+        """The machine with its axes' errors; None where they have none. Raises InputError for axes it has not."""
+        return self.errors.real(self.controller())
+
     def builders(self) -> tuple[Callable[[], object], ...]:
         surface = (self.gear, self.surface.outline, self.surface.design)
         reading = (self.program.options, self.reading)
-        return (*surface, self.controller, *reading, self.paths, self.holders, self.probed)
+        return (*surface, self.faulty, *reading, self.paths, self.holders, self.probed)
 
     def holders(self) -> dict[int, Profile]:
         """What stands above the tools' flutes, where it is given, by their numbers."""
