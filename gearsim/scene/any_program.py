@@ -23,14 +23,13 @@ from gearsim.scene.cylindrical import CylindricalGearTable
 from gearsim.scene.flank_milling import FaceMilledFlankTable, RuledBevelTable
 from gearsim.scene.generated import FaceMilledTable, HeadTable, HypoidTable
 from gearsim.scene.holder import HolderTable, above, above_mill
+from gearsim.scene.kinds import AXIS_TABLE, GCODE
 from gearsim.scene.program import ControlTable, OffsetName
 from gearsim.scene.sculptured import NurbsTable
 from gearsim.scene.tables import Count, GridTable, Length, Table
 from gearsim.surfaces.hypoid import HypoidPinion
 from gearsim.surfaces.patch import Tooth
 
-GCODE = frozenset((".nc", ".ngc", ".tap", ".cnc", ".mpf", ".eia", ".gcode", ".ncc"))
-AXIS_TABLE = ".csv"
 AnySurface = Annotated[
     RuledBevelTable | FaceMilledFlankTable | FaceMilledTable | HypoidTable | CylindricalGearTable | NurbsTable,
     Field(discriminator="kind"),

@@ -5,36 +5,17 @@ from __future__ import annotations
 import tomllib
 from collections.abc import Sequence
 from difflib import get_close_matches
-from importlib.resources import files
 from pathlib import Path, PurePath
 from re import search
 from typing import Any
 
 from pydantic import ValidationError
 
-from gearsim.errors import InputError, is_file, is_folder, read_input
-from gearsim.scene.any_program import AXIS_TABLE, GCODE, ProgramScene
+from gearsim.errors import InputError
 from gearsim.scene.base import Scene
-from gearsim.scene.cylindrical import CylindricalGearScene
-from gearsim.scene.faced_part import FacedScene
-from gearsim.scene.flank_milling import FlankMillingScene
-from gearsim.scene.generated import EnvelopeScene, FaceMillingScene, HypoidScene
+from gearsim.scene.built_in import scene_text
+from gearsim.scene.kinds import AXIS_TABLE, GCODE, PROGRAM, SCENES, scene_class
 from gearsim.scene.mistakes import explained, short
-from gearsim.scene.sculptured import GougeExampleScene, SculpturedScene
-from gearsim.scene.solid_part import SolidScene
-
-SCENES: dict[str, type[Scene]] = {
-    "ruled-bevel": FlankMillingScene,
-    "face-milled-flank": FlankMillingScene,
-    "envelope": EnvelopeScene,
-    "face-milled": FaceMillingScene,
-    "hypoid-pinion": HypoidScene,
-    "cylindrical-gear": CylindricalGearScene,
-    "nurbs": SculpturedScene,
-    "gouge-example": GougeExampleScene,
-    "solid-part": SolidScene,
-    "faced-part": FacedScene,
-}
 
 _CL_READERS = ("ruled-bevel", "face-milled-flank")
 _PLANNED = {"nurbs": ("contact", "drop")}  # what toolpath.kind names beside "program"; other planners have one kind
@@ -44,55 +25,6 @@ _OF_ONE_MOTION = (
     "solid-part",
     "faced-part",
 )  # surfaces that are cut by what stands in their scene alone
-
-
-def scene_names() -> dict[str, str]:
-    """Built-in scenes and their one-line summaries."""
-    return {name: tomllib.loads(_built_in_text(name))["scene"]["summary"] for name in _built_in()}
-
-
-def _built_in() -> list[str]:
-    names = (entry.name for entry in files("gearsim.scenes").iterdir())
-    return sorted(name.removesuffix(".toml") for name in names if name.endswith(".toml"))
-
-
-def _built_in_text(name: str) -> str:
-    return files("gearsim.scenes").joinpath(f"{name}.toml").read_text("utf-8")
-
-
-def scene_text(name_or_path: str, beside: Path | None = None) -> tuple[str, str, Path]:
-    """TOML text of a built-in scene or file, the name to use in messages, and its folder.
-
-    ``beside``: the folder in which relative paths begin, if it is not the working directory.
-    """
-    path = (beside or Path()) / name_or_path
-    if name_or_path in _built_in():
-        return _built_in_text(name_or_path), name_or_path, Path()
-    if is_file(path) or (name_or_path and is_folder(path)):
-        return read_input(path, "scene"), str(path), path.parent
-    near = get_close_matches(name_or_path, [*_scene_files(path.parent), *_built_in()], n=1, cutoff=0.4)
-    hint = f"; did you mean {near[0]!r}?" if near else "."
-    if path.suffix == ".toml":
-        raise InputError(f"cannot read scene {name_or_path!r}: there is no such file{hint}")
-    raise InputError(
-        f"no scene named {name_or_path!r}{hint} Built-in scenes: {', '.join(_built_in())}. "
-        "Or give the path of a .toml file."
-    )
-
-
-def scene_beside(name: str) -> Path | None:
-    """A file that may be meant by the name of a built-in scene, which is what the name stands for."""
-    if name not in _built_in():
-        return None
-    return next((path for path in (Path(f"{name}.toml"), Path(name)) if is_file(path)), None)
-
-
-def _scene_files(folder: Path) -> list[str]:
-    """The .toml files of a folder, none where it cannot be looked into."""
-    try:
-        return sorted(str(file) for file in folder.glob("*.toml"))
-    except (OSError, ValueError):
-        return []
 
 
 def load_scene(name_or_path: str | Path, overrides: Sequence[str] = ()) -> tuple[Scene, Path]:
@@ -149,8 +81,8 @@ def scene_of(data: dict[str, Any], label: str) -> Scene:
 
 def _read_as_cl(data: dict[str, Any], model: type[Scene]) -> list[str]:
     """That a file counts as CL data by its ending, where the scene has tables for other programs."""
-    path = data.get("toolpath")
-    if model is not FlankMillingScene or not isinstance(path, dict) or not isinstance(path.get("file"), str):
+    path, reader = data.get("toolpath"), scene_class(SCENES[_CL_READERS[0]])
+    if model is not reader or not isinstance(path, dict) or not isinstance(path.get("file"), str):
         return []
     others = [name for name in ("machine", "control", "tools") if name in data]
     if not others and "mounting" not in path:
@@ -167,7 +99,7 @@ def _model(data: dict[str, Any], label: str) -> type[Scene]:
         near = get_close_matches(str(kind), SCENES, n=1, cutoff=0.4)
         hint = f"did you mean {near[0]!r}?" if near else f"there are {', '.join(SCENES)}"
         raise _input_error(label, [f"surface.kind: {'missing' if kind is None else f'got {kind!r}'}; {hint}"])
-    return ProgramScene if _own_program(kind, data, label) else SCENES[kind]
+    return scene_class(PROGRAM if _own_program(kind, data, label) else SCENES[kind])
 
 
 def _own_program(kind: str, data: dict[str, Any], label: str) -> bool:
@@ -203,23 +135,10 @@ def _input_error(label: str, problems: list[str]) -> InputError:
 
 
 def _override(data: dict[str, Any], override: str) -> None:
-    """Apply one ``table.key=value`` to the tables."""
-    key, value = read_override(override)
-    parts, table = key.split("."), data
-    for part in parts[:-1]:
-        table = table.setdefault(part, {})
-        if not isinstance(table, dict):
-            raise InputError(f"--set {override}: {part!r} is a value, not a table")
-    table[parts[-1]] = value
-
-
-def read_override(override: str) -> tuple[str, Any]:
-    """Key and value of one ``table.key=value``; the value is read as TOML, else as a string.
-
-    Raises InputError where it is no such assignment.
-    """
+    """Apply one ``table.key=value`` to the tables; the value is read as TOML, else as a string."""
     key, equals, value = override.partition("=")
-    if not equals or "." not in key:
+    parts = key.strip().split(".")
+    if not equals or len(parts) < 2:
         raise InputError(f"--set {override}: expected table.key=value, for instance metrology.rows=9")
     try:
         parsed = tomllib.loads(f"value = {value}")
@@ -227,7 +146,12 @@ def read_override(override: str) -> tuple[str, Any]:
         parsed = {"value": value}
     if list(parsed) != ["value"]:
         raise InputError(f"--set {override!r}: expected one value, for instance metrology.rows=9")
-    return key.strip(), parsed["value"]
+    table = data
+    for part in parts[:-1]:
+        table = table.setdefault(part, {})
+        if not isinstance(table, dict):
+            raise InputError(f"--set {override}: {part!r} is a value, not a table")
+    table[parts[-1]] = parsed["value"]
 
 
 def scene_table(scene: Scene) -> dict[str, Any]:

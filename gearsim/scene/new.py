@@ -7,7 +7,8 @@ from contextlib import suppress
 from pathlib import Path
 
 from gearsim.errors import InputError
-from gearsim.scene.loading import load_scene, scene_names, scene_text
+from gearsim.scene.built_in import scene_names, scene_text
+from gearsim.scene.loading import load_scene
 from gearsim.scene.printed import without_reference
 from gearsim.scene.sculptured import GougeExampleScene
 from gearsim.scene.tables import file_name

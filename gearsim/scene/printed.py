@@ -8,8 +8,8 @@ from typing import Any
 
 from gearsim.errors import is_file
 from gearsim.scene.base import Scene
-from gearsim.scene.loading import load_scene, scene_names, scene_table, scene_text
-from gearsim.scene.sculptured import GougeExampleScene
+from gearsim.scene.built_in import built_in, scene_text
+from gearsim.scene.loading import load_scene, scene_table
 
 _GEOMETRY = ("surface", "cutter", "larger", "printed", "tools", "holder")
 _PLACES = "profile_offsets_mm"
@@ -29,15 +29,13 @@ def printed_elsewhere(scene: Scene, folder: Path) -> str:
     Printed figures are known by their source, worked examples by their sections; ``folder`` is where the scene's files
     are looked up.
     """
-    given = scene_table(scene).get("reference")
-    if given is None or isinstance(scene, GougeExampleScene):
+    whole = scene_table(scene)
+    given, mine = whole.get("reference"), _geometry(whole)
+    if given is None or mine["surface"]["kind"] == "gouge-example":
         return ""
-    names = [name for name in scene_names() if _same(given, tomllib.loads(scene_text(name)[0]).get("reference"))]
-    quoting = {name: scene_table(load_scene(name)[0]) for name in names}
-    bearers = {name: table for name, table in quoting.items() if table["reference"] == given} or quoting
+    bearers = _bearers(given, whole)
     if not bearers:
         return "" if "source" in given else "[reference] is left out: no built-in scene has these worked examples"
-    mine = _geometry(scene_table(scene))
     differ = {name: _differing(mine, _geometry(table)) for name, table in bearers.items()}
     nearest = min(bearers, key=lambda name: len(differ[name]))
     shape = mine.get("surface", {}).get("file")
@@ -60,6 +58,17 @@ def without_reference(text: str) -> str:
         if kept:
             out.append(line)
     return "".join(out).rstrip("\n") + "\n"
+
+
+def _bearers(given: dict[str, Any], whole: dict[str, Any]) -> dict[str, dict[str, Any]]:
+    """The built-in scenes that quote a print, as plain tables: that of the same name alone where it is the scene."""
+    name = whole["scene"]["name"]
+    if name in built_in() and (table := scene_table(load_scene(name)[0])) == whole:
+        return {name: table}
+    texts = {name: scene_text(name)[0] for name in built_in()}
+    names = [name for name, text in texts.items() if _same(given, tomllib.loads(text).get("reference"))]
+    quoting = {name: scene_table(load_scene(name)[0]) for name in names}
+    return {name: table for name, table in quoting.items() if table["reference"] == given} or quoting
 
 
 def _same(given: dict[str, Any], other: dict[str, Any] | None) -> bool:
