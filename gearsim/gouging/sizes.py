@@ -95,17 +95,20 @@ def largest_joint_mill(mills: NDArray, theta: NDArray, part: Tensor) -> JointCho
     Khan takes the least R and the least r over the contacts (7.3 end), which may gouge: k_min falls with r. A contact
     that no mill has (theta above 90 deg, no curvature) leaves none: leave such points out.
     """
-    limiting = 0
-    for i, (shank, corner) in enumerate(mills):
-        last = i == len(mills) - 1
-        if not last and least_difference(shank, corner, theta[limiting], part[limiting]) < -TIE:
-            continue  # the contact that stopped a larger mill stops this one too
+    row, limiting, last = 0, 0, len(mills) - 1
+    while True:
+        at_limit = least_difference(mills[row:last, 0], mills[row:last, 1], theta[limiting], part[limiting])
+        fits = np.flatnonzero(~(at_limit < -TIE))  # what stopped a larger mill stops the others, too
+        row = row + int(fits[0]) if len(fits) else last
+        shank, corner = mills[row]
         f = least_difference(shank, corner, theta, part)
         limiting = int(np.argmin(f))
         worst = float(f[limiting])
         if worst >= -TIE:
-            return JointChoice(i, float(shank), float(corner), limiting, worst)
-    return JointChoice(-1, np.nan, np.nan, limiting, worst)
+            return JointChoice(row, float(shank), float(corner), limiting, worst)
+        if row == last:
+            return JointChoice(-1, np.nan, np.nan, limiting, worst)
+        row += 1
 
 
 def _on_bottom(corner: NDArray, part: Tensor) -> NDArray:

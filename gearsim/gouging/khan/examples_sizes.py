@@ -87,10 +87,10 @@ def size_examples() -> tuple[SizeExample, ...]:
     )  # fmt: skip
 
 
-def size_rows() -> list[WorkedRow]:
+def size_rows(examples: tuple[SizeExample, ...]) -> list[WorkedRow]:
     """Each example's printed size beside his algorithm and the true optimum, then the numbers on the way."""
     rows = []
-    for e in size_examples():
+    for e in examples:
         ours = _mill_text(e.khan)
         row = word_row(e.section, f"{e.name}: R, r [mm]", _mill_text(e.printed), ours, e.remark)
         print_gouges = e.printed is not None and e.gouges(e.printed)

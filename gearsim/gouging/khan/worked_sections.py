@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import cache
 
 from gearsim.gouging.khan.examples import gouging_rows
 from gearsim.gouging.khan.examples_border import border_rows
-from gearsim.gouging.khan.examples_sizes import size_rows
+from gearsim.gouging.khan.examples_sizes import size_examples, size_rows
 from gearsim.gouging.khan.worked import WorkedRow
 
 SECTIONS = (
@@ -17,6 +18,11 @@ SECTIONS = (
 
 def worked_rows(sections: Sequence[str], names: Sequence[str] = ()) -> list[WorkedRow]:
     """Printed numbers beside ours of the given sections; of quantities that begin with one of ``names``, if given."""
-    rows = [*gouging_rows(), *size_rows(), *border_rows()]
-    chosen = [r for r in rows if r.section in sections]
-    return [r for r in chosen if not names or r.quantity.startswith(tuple(names))]
+    return [r for r in _rows(tuple(sections)) if not names or r.quantity.startswith(tuple(names))]
+
+
+@cache
+def _rows(sections: tuple[str, ...]) -> tuple[WorkedRow, ...]:
+    sizes = tuple(e for e in size_examples() if e.section in sections)  # they take the time
+    rows = (*gouging_rows(), *size_rows(sizes), *border_rows())
+    return tuple(r for r in rows if r.section in sections)
