@@ -63,10 +63,9 @@ def _run(options: argparse.Namespace) -> int:
     from gearsim.output.screen import ScreenProgress, print_result
     from gearsim.output.wanted import Wanted
     from gearsim.output.write import refuse_unknown, write_result
-    from gearsim.processes.run import plan, run_job
-    from gearsim.simulation.removal import open_device
+    from gearsim.processes.run import plan, require_device, run_job
 
-    open_device(options.device)
+    require_device(options.device)
     wanted = Wanted(not options.no_pictures, options.figures, options.only)
     out = options.out or Path("runs") / scene.name
     with staged(out) as stage, Painters(wanted) as painters, ScreenProgress() as progress:

@@ -86,7 +86,7 @@ def test_no_process_is_named_outside_processes_and_scene():
 
 
 def loaded_after(code):
-    script = f"{code}\nimport sys\nprint(*sorted(m for m in sys.modules if '.' not in m))"
+    script = f"{code}\nimport sys\nprint(*sys.modules)"
     return set(
         subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=True).stdout.split()
     )
@@ -95,6 +95,14 @@ def loaded_after(code):
 def test_importing_gearsim_loads_nothing_heavy():
     assert not loaded_after("import gearsim") & (HEAVY | {"pydantic", "scipy"})
     assert not loaded_after("import gearsim.cli; gearsim.cli.parser(gearsim.cli._RUNS)") & HEAVY
+
+
+def test_a_job_loads_what_it_uses():
+    """One that cuts nothing: neither Warp, nor what few jobs need, nor the other kinds of scenes."""
+    loaded = loaded_after("import gearsim; gearsim.run('gouge-flat-end-mill')")
+    kinds = {"any_program", "cylindrical", "faced_part", "flank_milling", "generated", "sculptured", "solid_part"}
+    assert not loaded & (HEAVY | {"scipy"})
+    assert loaded & {f"gearsim.scene.{kind}" for kind in kinds} == {"gearsim.scene.sculptured"}
 
 
 def test_kernels_carry_no_backward_pass_and_name_their_outputs():

@@ -6,8 +6,6 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from scipy.sparse import coo_matrix
-from scipy.sparse.csgraph import connected_components
 
 from gearsim.errors import InputError
 from gearsim.geometry.triangles import TriangleMesh
@@ -83,6 +81,9 @@ def _crossed(mesh: TriangleMesh, height: NDArray) -> tuple[NDArray, NDArray]:
 def _loops(start: NDArray, end: NDArray, points: NDArray) -> list[NDArray]:
     """Points in order along the loops that lead from edge to edge; places that repeat the one before are left out."""
     n = len(points)
+    from scipy.sparse import coo_matrix  # slow to load, and few jobs have sections
+    from scipy.sparse.csgraph import connected_components
+
     count, loop = connected_components(coo_matrix((np.ones(n), (start, end)), shape=(n, n)), directed=False)
     before = np.empty(n, dtype=int)
     before[end] = start

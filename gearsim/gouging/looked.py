@@ -9,10 +9,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from gearsim.cutters.profile import Profile
-from gearsim.gouging.evaluate import evaluate
 from gearsim.gouging.lines import Lines
 from gearsim.gouging.prediction import Prediction, predict_at
-from gearsim.kernels.nurbs import MAX_DEGREE
 from gearsim.metrology.samples import SampleGrid, grid_on_lines
 from gearsim.surfaces.face import Face
 
@@ -53,6 +51,9 @@ class FaceLook:
 
 def look(face: Face, lines: Lines, cutter: Profile, axis: NDArray, device: str = "cpu") -> FaceLook:
     """Predict at the crossings of the lines that lie on the face, then search for less between them."""
+    from gearsim.gouging.evaluate import evaluate  # Warp loads with these: who only draws results can do without
+    from gearsim.kernels.nurbs import MAX_DEGREE
+
     u, v = lines.at
     held = face.holds(u, v) if face.loops else np.ones((len(v), len(u)), dtype=bool)
     uu, vv = (x.ravel() for x in np.meshgrid(u, v))

@@ -18,10 +18,10 @@ from gearsim.envelope import EnvelopeRoad, machined_along
 from gearsim.geometry.rays import RayBundle, join_rays
 from gearsim.metrology.findings import Finding
 from gearsim.simulation.operation import Variant
-from gearsim.simulation.sequence import Machining, machine
 
 if TYPE_CHECKING:
     from gearsim.metrology.job import Job
+    from gearsim.simulation.sequence import Machined, Machining
     from gearsim.simulation.workshop import Workshop
 
 T = TypeVar("T")
@@ -131,9 +131,15 @@ def answer(questions: Sequence[Question], workshop: Workshop) -> list[Any]:
     cuts = [(q.rays, q.variant.operations) for q in questions if isinstance(q, Cut)]
     removed = iter(workshop.cut(cuts) if cuts else [])
     solved = iter(_solved([q for q in questions if isinstance(q, Solve)], workshop))
-    machined = (machine(q.machining, workshop) for q in questions if isinstance(q, Machine))
+    machined = (_machined(q, workshop) for q in questions if isinstance(q, Machine))
     found = {Cut: removed, Solve: solved, Machine: machined}
     return [next(found[type(q)]) for q in questions]
+
+
+def _machined(question: Machine, workshop: Workshop) -> Machined:
+    from gearsim.simulation.sequence import machine  # much comes with it, and few jobs have whole parts
+
+    return machine(question.machining, workshop)
 
 
 def _solved(questions: Sequence[Solve], workshop: Workshop) -> list[EnvelopeRoad]:

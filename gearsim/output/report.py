@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from typing import Any
 
-from gearsim.metrology.stock_check import StockMeasurement
 from gearsim.output.markdown import VIEW_MARK, findings, not_drawn, pictures, provenance, verdict
 from gearsim.output.presenters import SLOTS, collected
 from gearsim.result import Result
@@ -53,8 +52,7 @@ def _tolerances(result: Result) -> str:
         if surface.tolerance is not None:
             limits.setdefault(surface.tolerance.text, []).append(name)
     for measured in result.measurements.values():
-        if isinstance(measured, StockMeasurement):
-            for name, tolerance in measured.tolerances.items():
-                if name not in result.job.part.surfaces:
-                    limits.setdefault(tolerance.text, []).append(name)
+        for name, tolerance in getattr(measured, "tolerances", {}).items():  # of a whole part's own surfaces
+            if name not in result.job.part.surfaces:
+                limits.setdefault(tolerance.text, []).append(name)
     return "; ".join(f"{', '.join(names)}: {text}" for text, names in limits.items()) or "no surface has a tolerance"

@@ -10,11 +10,9 @@ from collections.abc import Sequence
 from dataclasses import replace
 from itertools import count, groupby
 
-import numpy as np
-
 from gearsim.cutters.profile import Profile
 from gearsim.errors import InputError
-from gearsim.geometry.rigid import Rigid
+from gearsim.processes.frames import CLAMPED
 from gearsim.programs.cldata import RAPID, CLProgram, apt_parameters
 from gearsim.programs.operation import Operation, Tool
 from gearsim.programs.path_blocks import blocks_from_cl
@@ -24,7 +22,6 @@ from gearsim.scene import FlankMillingScene
 from gearsim.scene.program import ProgramTable
 
 MOST_TOOLS = 9999  # the largest T number
-CLAMPED = Rigid(np.diag([1.0, -1.0, -1.0]), np.zeros(3))
 
 
 def machine_program(scene: FlankMillingScene, table: ProgramTable, cl: CLProgram, cutters: Sequence[Profile]) -> str:

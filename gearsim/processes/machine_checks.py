@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from dataclasses import replace
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,12 +21,17 @@ from gearsim.motion.axes import AxisMotion
 from gearsim.motion.program import ProgramMotion
 from gearsim.motion.real_motion import RealMotion
 from gearsim.motion.sources import CLMotion, MotionSource, MovedMotion
-from gearsim.processes.flank_program import CLAMPED
+from gearsim.processes.frames import CLAMPED
 from gearsim.programs.blocks import Blocks
 from gearsim.programs.gcode import read_program
-from gearsim.scene import CylindricalGearScene, FlankMillingScene, ProgramScene, Scene, SequenceScene
-from gearsim.scene.catalogue import RunMachineTable
+from gearsim.scene import FlankMillingScene
 from gearsim.simulation.operation import Operation
+
+if TYPE_CHECKING:
+    from gearsim.scene import CylindricalGearScene, ProgramScene, SequenceScene
+    from gearsim.scene.catalogue import RunMachineTable
+
+    MachineScene = FlankMillingScene | ProgramScene | CylindricalGearScene | SequenceScene
 
 _PROGRAM = "program.nc"
 _HOME = re.compile(r"G\s*(28|30)(?![\d.])")
@@ -40,13 +45,11 @@ class _Run(NamedTuple):
     homing: NDArray[np.bool_] | None = None
 
 
-def with_machine(job: Job, scene: Scene) -> Job:
-    """The job with what its machine must not touch, and cannot do, where a scene's program may be run by one.
+def with_machine(job: Job, scene: MachineScene) -> Job:
+    """The job with what a machine that runs the scene's program must not touch, and cannot do.
 
     Raises InputError where the machine cannot run it.
     """
-    if not isinstance(scene, FlankMillingScene | ProgramScene | CylindricalGearScene | SequenceScene):
-        return job
     table = _machine(scene)
     frame = CLAMPED if isinstance(scene, FlankMillingScene) else _frame(job)
     copies = next((i.copies for i in job.inspections if isinstance(i, StockInspection)), 1)
@@ -58,7 +61,7 @@ def with_machine(job: Job, scene: Scene) -> Job:
     return replace(job, inspections=(*job.inspections, touched, _axes(job, table, frame)))
 
 
-def _machine(scene: FlankMillingScene | ProgramScene | CylindricalGearScene | SequenceScene) -> RunMachineTable | None:
+def _machine(scene: MachineScene) -> RunMachineTable | None:
     if isinstance(scene, FlankMillingScene):
         return None if scene.program is None else scene.program.machine
     found: RunMachineTable | None = scene.machine

@@ -2,33 +2,32 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
+from functools import partial
 from importlib import import_module
 from pathlib import Path
 from time import perf_counter
 from types import ModuleType
-from typing import Any, Protocol
+from typing import TYPE_CHECKING, Any, Protocol
 
 from gearsim.envelope import prepare_envelope
 from gearsim.errors import InputError
-from gearsim.metrology.inspection import Question, perform
+from gearsim.metrology.inspection import Cut, Question, Solve, perform
 from gearsim.metrology.job import Job, at_once, counted
-from gearsim.metrology.stock_check import StockInspection
 from gearsim.metrology.study import Change, study_steps
 from gearsim.metrology.verdict import verdict
 from gearsim.output.presenters import flat_figures
-from gearsim.processes.claims import Claim
-from gearsim.processes.machine_checks import with_machine
-from gearsim.processes.whole_part import with_stock
 from gearsim.result import Result, versions
 from gearsim.scene import Scene, load_scene
 from gearsim.scene.printed import printed_elsewhere
 from gearsim.simulation.operation import Variant
-from gearsim.simulation.removal import SLOT_BYTES, open_device, prepare, tile_rays
 from gearsim.simulation.room import RAY_BYTES, require_room
 from gearsim.simulation.workshop import Workshop
+
+if TYPE_CHECKING:
+    from gearsim.processes.claims import Claim
 
 _PLANNERS = {
     "FlankMillingScene": "flank_milling",
@@ -42,6 +41,7 @@ _PLANNERS = {
     "SolidScene": "solid_part",
     "FacedScene": "faced_part",
 }
+_OF_MACHINES = ("FlankMillingScene", "CylindricalGearScene", "ProgramScene", "SolidScene", "FacedScene")
 _SMALLER = "lower metrology.rows and columns or raise simulation.dexel_pitch_mm"
 
 
@@ -73,9 +73,10 @@ def plan(scene: Scene, folder: Path | None = None) -> Job:
     if elsewhere:
         scene = scene.model_copy(update={"reference": None})
     job: Job = _planner(scene).plan(scene, folder)
-    if scene.stock is not None and not any(isinstance(i, StockInspection) for i in job.inspections):
-        job = with_stock(job, scene.stock, folder)
-    job = with_machine(job, scene)
+    if scene.stock is not None:
+        job = import_module("gearsim.processes.whole_part").with_stock(job, scene.stock, folder)
+    if type(scene).__name__ in _OF_MACHINES:
+        job = import_module("gearsim.processes.machine_checks").with_machine(job, scene)
     return replace(job, notes=(*job.notes, elsewhere)) if elsewhere else job
 
 
@@ -102,7 +103,7 @@ def run(
     NumericalError where a kernel status forbids trust.
     """
     started = perf_counter()
-    open_device(device)
+    require_device(device)
     progress = progress or _Silent()
     progress.stage("planning", 0)
     if not isinstance(scene, Scene):
@@ -117,13 +118,30 @@ def run(
     return run_job(job, device=device, progress=progress, planned_s=perf_counter() - started)
 
 
-def _prepare(device: str) -> float:
-    """Compile and load the kernels of both roads side by side; seconds taken."""
+def require_device(device: str) -> None:
+    """Raise InputError where there is no such device; the processor always is there, and Warp not started for it."""
+    if device != "cpu":
+        from gearsim.simulation.removal import open_device
+
+        open_device(device)
+
+
+def _prepare(questions: Sequence[Question], device: str) -> float:
+    """Compile and load the kernels that questions need, those of both roads side by side; seconds taken.
+
+    A whole part's are loaded by the first of its operations that needs them.
+    """
+    if not questions:
+        return 0.0
+    from gearsim.simulation.removal import open_device, prepare
+
     started = perf_counter()
+    rings = {o.cutter.is_ring for q in questions if isinstance(q, Cut) for o in q.variant.operations}
+    makers = [partial(prepare, device, ring) for ring in sorted(rings)]
+    makers += [partial(prepare_envelope, device)] * any(isinstance(q, Solve) for q in questions)
     open_device(device)
     with ThreadPoolExecutor(2) as pool:
-        both = [pool.submit(make, device) for make in (prepare, prepare_envelope)]
-        for made in both:
+        for made in [pool.submit(make) for make in makers]:
             made.result()
     return perf_counter() - started
 
@@ -139,17 +157,17 @@ def run_job(
     """
     started = perf_counter()
     progress = progress or _Silent()
-    progress.stage("compiling kernels", 0)
-    compile_s = _prepare(device)
     s = job.settings
     workshop = Workshop(device, s.tolerance_mm, s.interval_slots, progress.advance, checkpoints)
     progress.stage("cutting and measuring", 0)
-    planned_rays = 0
+    planned_rays, compile_s = 0, 0.0
 
     def begin(questions: list[Question]) -> None:
-        nonlocal planned_rays
+        nonlocal planned_rays, compile_s
         planned_rays, solved = counted(questions)
         require_room(at_once(questions), f"scene {job.name}", _SMALLER)
+        progress.stage("compiling kernels", 0)
+        compile_s = _prepare(questions, device)
         progress.stage("cutting and measuring", planned_rays + solved)
 
     readings = perform(job.steps(), workshop, begin)
@@ -187,9 +205,13 @@ def study(
     progress = progress or _Silent()
     lines = [Change("", "", {}), *(Change(name, "", variants) for name, variants in changes.items())]
     steps = study_steps(job, lines, Job.steps)
-    _prepare(device)
     workshop = Workshop(device, job.settings.tolerance_mm, job.settings.interval_slots, progress.advance)
-    found = perform(steps, workshop, lambda asked: progress.stage("cutting and measuring", sum(counted(asked))))
+
+    def begin(questions: list[Question]) -> None:
+        _prepare(questions, device)
+        progress.stage("cutting and measuring", sum(counted(questions)))
+
+    found = perform(steps, workshop, begin)
     return [
         {"change": c.name, "surface": m.surface, "variant": m.variant, "inspection": m.inspection, **flat_figures(m)}
         for c, readings in zip(lines, found, strict=True)
@@ -204,7 +226,9 @@ def estimate(scene: Scene, folder: Path | None = None, device: str = "cpu") -> d
     Rays and segments are those that the run begins with; some rays follow from what it finds. Raises InputError where
     there is no such device.
     """
-    open_device(device)
+    from gearsim.simulation.removal import SLOT_BYTES, tile_rays
+
+    require_device(device)
     job = plan(scene, folder)
     try:
         first = next(job.steps())

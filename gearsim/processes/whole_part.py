@@ -24,10 +24,12 @@ from gearsim.surfaces.part import Part
 
 
 def with_stock(job: Job, table: StockTable, folder: Path) -> Job:
-    """The job with its whole blank cut by its main variant, too; its file is looked up in ``folder``.
+    """The job with its whole blank cut by its main variant, too, if it is not; its file is looked up in ``folder``.
 
     Raises InputError where there is nothing to cut, no blank, or spaces that are not known or already in the program.
     """
+    if any(isinstance(i, StockInspection) for i in job.inspections):
+        return job
     if not job.variants:
         raise InputError(f"stock: scene {job.name} cuts no part; remove the table")
     if table.blank is None and job.part.stock is None:

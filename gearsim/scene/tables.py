@@ -42,7 +42,7 @@ Count = Annotated[int, Field(ge=2, le=4097)]
 class Table(BaseModel):
     """Keys of fixed types: ``"9"`` and ``true`` are no numbers, 1 is no truth; a whole number is a number."""
 
-    model_config = ConfigDict(extra="forbid", frozen=True, strict=True)
+    model_config = ConfigDict(defer_build=True, extra="forbid", frozen=True, strict=True)
 
     @model_validator(mode="before")
     @classmethod

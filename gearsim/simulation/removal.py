@@ -9,6 +9,7 @@ from concurrent.futures import ThreadPoolExecutor, as_completed
 from contextlib import contextmanager, nullcontext
 from dataclasses import dataclass
 from time import perf_counter
+from types import ModuleType
 from typing import NamedTuple
 
 import numpy as np
@@ -19,7 +20,6 @@ from gearsim.cutters.profile import Profile
 from gearsim.errors import InputError, NumericalError, Status, explain
 from gearsim.geometry.rays import RayBundle, join_rays
 from gearsim.kernels import removal as kernels
-from gearsim.kernels import ring_removal as ring_kernels
 from gearsim.kernels.loading import load_kernels, start_warp
 from gearsim.motion.segments import SegmentTable, join
 from gearsim.simulation.intervals import IntervalSet, concatenate, from_lists
@@ -85,8 +85,15 @@ def prepare(device: str, ring: bool = False) -> float:
     """
     started = perf_counter()
     open_device(device)
-    load_kernels(ring_kernels if ring else kernels, device)
+    load_kernels(_ring_kernels() if ring else kernels, device)
     return perf_counter() - started
+
+
+def _ring_kernels() -> ModuleType:
+    """The kernels for rings, which most jobs have none of."""
+    from gearsim.kernels import ring_removal
+
+    return ring_removal
 
 
 def open_device(device: str) -> None:
@@ -226,7 +233,7 @@ class Loaded:
             bounds = segment_bounds(tables[0], cutters[0])
             self.bvh = wp.Bvh(*(wp.array(b, dtype=wp.vec3, device=device) for b in bounds))
             extent = float(np.abs(tables[0].tip).sum(axis=1).max(initial=0.0))
-            self.kernel, tool = ring_kernels.cut_rays_by_ring, [ring_data(cutters[0], extent, device), motion]
+            self.kernel, tool = _ring_kernels().cut_rays_by_ring, [ring_data(cutters[0], extent, device), motion]
         else:
             groups = [row_groups(table, cutter) for table, cutter in motions]
             self.bvh = grouped_bvh(groups, device)

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.spatial import cKDTree
 
 from gearsim.errors import InputError
 from gearsim.geometry.faceted import Faceted
@@ -63,6 +62,8 @@ class FittedNormals:
     def _fitted(self, points: NDArray, ends: NDArray, inward: NDArray) -> NDArray:
         count = min(_NEIGHBOURS, len(ends))
         reach = _REACH * self._stock.box.pitch
+        from scipy.spatial import cKDTree  # slow to load, and few blanks are another run's stock
+
         away, near = cKDTree(ends).query(points, k=count, distance_upper_bound=reach)
         away, near = away.reshape(-1, count), near.reshape(-1, count)
         real = np.isfinite(away)

@@ -17,7 +17,6 @@ from gearsim.simulation.checkpoints import Checkpoints, Kept
 from gearsim.simulation.contour.surface import Contour, contour
 from gearsim.simulation.dexels import DexelBox
 from gearsim.simulation.ends import Normals
-from gearsim.simulation.normals import EndNormals
 from gearsim.simulation.operation import Operation, Variant
 from gearsim.simulation.rapids import look_at_rapids
 from gearsim.simulation.room import RAY_BYTES, memory_bytes, require_room
@@ -171,6 +170,8 @@ def machine(asked: Machining, workshop: Workshop) -> Machined:
 
 def end_normals(asked: Machining, device: str, tolerance: float) -> Normals:
     """The normals at the ends of what is made, by who made them: the blank, turning, operations, another run."""
+    from gearsim.simulation.normals import EndNormals  # Warp loads with it
+
     turned = [asked.turning.kept] if asked.turning else []
     normals = EndNormals(asked.blank, [*turned, *asked.operations], device, tolerance)
     return normals if asked.saved is None else with_earlier(asked.saved, normals)

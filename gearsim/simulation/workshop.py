@@ -1,4 +1,7 @@
-"""The workshop: operations loaded onto one device, and rays cut by them, as many in one launch as are asked for."""
+"""The workshop: operations loaded onto one device, and rays cut by them, as many in one launch as are asked for.
+
+Warp and each kind of kernel are loaded by the first that needs them: many jobs need few, who draws results none.
+"""
 
 from __future__ import annotations
 
@@ -6,17 +9,20 @@ from collections.abc import Callable, Sequence
 from dataclasses import replace
 from pathlib import Path
 from time import perf_counter
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
 from gearsim.geometry.rays import RayBundle
 from gearsim.simulation.dexels import DexelBox
-from gearsim.simulation.in_order import Taken, cut_in_order
 from gearsim.simulation.intervals import IntervalSet, nothing, unite
 from gearsim.simulation.operation import Operation
-from gearsim.simulation.removal import Loaded, Removal
-from gearsim.simulation.tiles import TileCutter
+
+if TYPE_CHECKING:
+    from gearsim.simulation.in_order import Taken
+    from gearsim.simulation.removal import Loaded, Removal
+    from gearsim.simulation.tiles import TileCutter
 
 
 class Workshop:
@@ -62,6 +68,8 @@ class Workshop:
 
         The operation's rows are told by tags from ``first_tag`` on. Raises NumericalError where a status forbids trust.
         """
+        from gearsim.simulation.tiles import TileCutter
+
         cutter = self._tiles.get(id(operation.table))
         if cutter is None:
             cutter = TileCutter(operation.table, operation.cutter, self.device, self.tolerance)
@@ -76,6 +84,8 @@ class Workshop:
 
     def cut_in_order(self, rays: RayBundle, material: IntervalSet, operation: Operation) -> Taken:
         """What each of an operation's rows is the first to take, as ``simulation.in_order`` tells it."""
+        from gearsim.simulation.in_order import cut_in_order
+
         started = perf_counter()
         taken = cut_in_order(
             rays, material, operation, device=self.device, tolerance=self.tolerance, slots=self.slots
@@ -106,6 +116,8 @@ class Workshop:
 
     def _load(self, operations: list[Operation]) -> None:
         """Put operations that are not there onto the device, those of convex tools together."""
+        from gearsim.simulation.removal import Loaded
+
         new = {id(o.table): o for o in operations if id(o.table) not in self._places}
         convex = [o for o in new.values() if not o.cutter.is_ring]
         rings = [[o] for o in new.values() if o.cutter.is_ring]

@@ -4,13 +4,10 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
-from typing import ClassVar
+from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.sparse import coo_matrix
-from scipy.sparse.csgraph import connected_components
-from scipy.spatial import cKDTree
 
 from gearsim.errors import InputError
 from gearsim.geometry.faceted import Faceted
@@ -19,6 +16,9 @@ from gearsim.geometry.triangles import TriangleMesh
 from gearsim.surfaces.foot_within import foot_within
 from gearsim.surfaces.nurbs import NurbsSurface
 from gearsim.surfaces.part import Tolerance
+
+if TYPE_CHECKING:
+    from scipy.spatial import cKDTree
 
 _CELLS = 48
 _SAME_MM = 1e-5
@@ -55,6 +55,10 @@ class FacedSolid:
     def mesh(self) -> TriangleMesh:
         """The net's triangles, tagged with the numbers of their faces."""
         points = self.nodes.reshape(-1, 3)
+        from scipy.sparse import coo_matrix  # slow to load, and few parts have faces
+        from scipy.sparse.csgraph import connected_components
+        from scipy.spatial import cKDTree
+
         pairs = cKDTree(points).query_pairs(_SAME_MM, output_type="ndarray")
         links = coo_matrix((np.ones(len(pairs)), pairs.T), shape=(len(points),) * 2)
         count, of = connected_components(links, directed=False)
@@ -142,6 +146,8 @@ class FacedSolid:
 
     @cached_property
     def _trees(self) -> list[cKDTree]:
+        from scipy.spatial import cKDTree
+
         return [cKDTree(self.nodes.reshape(-1, 3)), *(cKDTree(net.reshape(-1, 3)) for net in self.nodes)]
 
 

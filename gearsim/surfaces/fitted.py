@@ -6,7 +6,6 @@ from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.interpolate import make_interp_spline
 
 from gearsim.errors import InputError
 from gearsim.geometry.nurbs import surface_derivatives
@@ -47,6 +46,8 @@ def fit_grid(points: NDArray, name: str = "surface", flip: bool = False) -> Fitt
         )
     u, v = (_parameters(grid, axis, name) for axis in (0, 1))
     rows, columns = (np.append(np.arange(0, n - 1, 2), n - 1) for n in grid.shape[:2])
+    from scipy.interpolate import make_interp_spline  # slow to load, and few surfaces are fitted
+
     along_u = make_interp_spline(u[rows], grid[np.ix_(rows, columns)], _DEGREE, axis=0)
     along_v = make_interp_spline(v[columns], along_u.c, _DEGREE, axis=1)
     poles = np.moveaxis(along_v.c, 0, 1)

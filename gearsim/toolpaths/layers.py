@@ -9,7 +9,6 @@ from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.ndimage import grey_dilation
 
 from gearsim.cutters.contact import across
 from gearsim.cutters.profile import Profile
@@ -89,6 +88,8 @@ def height_map(part: Solid, blank: Solid, cutter: Profile, direction: NDArray, a
     away = np.maximum(np.hypot(*np.meshgrid(offsets, offsets, indexing="ij")) - 1.5 * cell - allowance, 0.0)
     below = underside(cutter, away)
     under = np.isfinite(below)
+    from scipy.ndimage import grey_dilation  # slow to load, and few programs have layers
+
     lifted = grey_dilation(height.reshape(len(x), len(y)), footprint=under, structure=np.where(under, -below, 0.0),
                            mode="constant", cval=-np.inf)  # fmt: skip
     return HeightMap(frame, x, y, lifted + allowance)

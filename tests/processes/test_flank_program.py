@@ -7,7 +7,8 @@ from gearsim.errors import InputError
 from gearsim.motion.program import cutting
 from gearsim.motion.sources import MovedMotion
 from gearsim.processes.flank_milling import plan
-from gearsim.processes.flank_program import CLAMPED, machine_program
+from gearsim.processes.flank_program import machine_program
+from gearsim.processes.frames import CLAMPED
 from gearsim.programs.cldata import RAPID, parse_cl
 from gearsim.programs.gcode import read_program
 from gearsim.scene import load_scene
