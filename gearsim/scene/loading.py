@@ -135,10 +135,23 @@ def _input_error(label: str, problems: list[str]) -> InputError:
 
 
 def _override(data: dict[str, Any], override: str) -> None:
-    """Apply one ``table.key=value`` to the tables; the value is read as TOML, else as a string."""
+    """Apply one ``table.key=value`` to the tables."""
+    key, value = read_override(override)
+    parts, table = key.split("."), data
+    for part in parts[:-1]:
+        table = table.setdefault(part, {})
+        if not isinstance(table, dict):
+            raise InputError(f"--set {override}: {part!r} is a value, not a table")
+    table[parts[-1]] = value
+
+
+def read_override(override: str) -> tuple[str, Any]:
+    """Key and value of one ``table.key=value``; the value is read as TOML, else as a string.
+
+    Raises InputError where it is no such assignment.
+    """
     key, equals, value = override.partition("=")
-    parts = key.strip().split(".")
-    if not equals or len(parts) < 2:
+    if not equals or "." not in key:
         raise InputError(f"--set {override}: expected table.key=value, for instance metrology.rows=9")
     try:
         parsed = tomllib.loads(f"value = {value}")
@@ -146,12 +159,7 @@ def _override(data: dict[str, Any], override: str) -> None:
         parsed = {"value": value}
     if list(parsed) != ["value"]:
         raise InputError(f"--set {override!r}: expected one value, for instance metrology.rows=9")
-    table = data
-    for part in parts[:-1]:
-        table = table.setdefault(part, {})
-        if not isinstance(table, dict):
-            raise InputError(f"--set {override}: {part!r} is a value, not a table")
-    table[parts[-1]] = parsed["value"]
+    return key.strip(), parsed["value"]
 
 
 def scene_table(scene: Scene) -> dict[str, Any]:
