@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, replace
+from math import inf
 
 from gearsim.metrology.gear_iso import GearProbing
 from gearsim.metrology.grid import DENSE, GridInspection
@@ -19,12 +20,21 @@ class Brief:
     iso: bool = False
 
 
+@dataclass(frozen=True)
+class Planned:
+    """A job. Where a deviation [mm] that it measures is not ``within`` this, the job that ``whole`` makes tells it."""
+
+    job: Job
+    within: float = inf
+    whole: Callable[[], Job] | None = None
+
+
 def shortened(job: Job, brief: Brief) -> Job:
     """The job with the inspections that are wanted alone, asked by the removal road alone; nothing can pass by it."""
-    kept = tuple(_kept(job.inspections, job.main, brief))
-    names = {name for i in kept for name in _variants(i)}
+    asked = tuple(kept(job.inspections, job.main, brief))
+    names = {name for i in asked for name in _variants(i)}
     return replace(
-        job, inspections=kept, variants=tuple(v for v in job.variants if v.name in names), scene={}, files={}
+        job, inspections=asked, variants=tuple(v for v in job.variants if v.name in names), scene={}, files={}
     )
 
 
@@ -35,7 +45,8 @@ def mapped(inspection: Inspection, main: str) -> str:
     return next(iter(inspection.judged), main if main in inspection.variants else "")
 
 
-def _kept(inspections: Iterable[Inspection], main: str, brief: Brief) -> Iterable[Inspection]:
+def kept(inspections: Iterable[Inspection], main: str, brief: Brief) -> Iterator[Inspection]:
+    """Those of a job's inspections that are wanted; ``main`` is its whole program."""
     for inspection in inspections:
         variant = mapped(inspection, main)
         if brief.maps and variant:

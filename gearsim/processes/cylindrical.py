@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 
@@ -27,6 +28,7 @@ from gearsim.processes.frames import FACE_FRAME
 from gearsim.processes.gear_budget import disturbed_operations, gear_budget
 from gearsim.processes.settings import settings
 from gearsim.programs.gcode import Program, read_program
+from gearsim.programs.operation import Tool
 from gearsim.programs.post import write_program
 from gearsim.programs.post_options import Header
 from gearsim.scene import CylindricalGearScene, scene_table
@@ -60,6 +62,46 @@ def plan(scene: CylindricalGearScene, folder: Path) -> Job:
     Raises InputError where the gear cannot be cut this way or has no tolerances, or for a program that cannot be read
     or moves without a tool of the scene, a length or an offset that is known (``ReadSettings.tools``).
     """
+    made = programmed(scene, folder)
+    program, probed, tools = made.program, made.probed, made.tools
+    tolerance, real = scene.simulation.compile_tolerance_mm, disturbance(scene.errors)
+    whole = disturbed_operations(
+        program.blocks, tools, real, tolerance, made.text, program.operations, scene.holders()
+    )  # fmt: skip
+    variants, inspections = [Variant(PROGRAM, "the whole program", whole)], list(gear_inspections(scene, probed))
+    known = [step.cutting.feed for step in scene.paths()]
+    feeds = [np.nan] * len(program.operations) if scene.program.file else known
+    inspections.append(ProgramInspection(PROGRAM, program, tuple(feeds)))
+    if scene.budget:
+        causes, budget = gear_budget(scene, probed, scene.controller(), tools, PROGRAM)
+        variants += causes
+        inspections.append(budget)
+    return Job(
+        name=scene.name,
+        part=gear_part(scene, probed),
+        variants=tuple(variants),
+        main=PROGRAM,
+        inspections=tuple(inspections),
+        settings=settings(scene),
+        scene=scene_table(scene),
+        files={"program.nc": made.text},
+        notes=(*program.notes, *made.notes),
+        conventions=_CONVENTIONS,
+    )
+
+
+class Programmed(NamedTuple):
+    """A gear's program as it is read, its text, its tools by number, what is probed, and what must be told."""
+
+    program: Program
+    text: str
+    tools: dict[int, Tool]
+    probed: ProbedGear
+    notes: tuple[str, ...]
+
+
+def programmed(scene: CylindricalGearScene, folder: Path) -> Programmed:
+    """The program of a scene's gear, whatever errors it is run with. Raises InputError as ``plan``."""
     gear, machine, steps = scene.gear(), scene.controller(), scene.paths()
     gear_size(gear)
     program, text = _program(scene, folder, gear, machine, steps)
@@ -69,27 +111,7 @@ def plan(scene: CylindricalGearScene, folder: Path) -> Job:
         raise InputError(f"program: it moves none of the scene's tools; expected {listed} and moves behind it")
     finishing, notes = scene.finishing(), _finished_by(scene, program)
     probed = ProbedGear(gear, {side: _reached(gear, side, finishing) for side in SIDES}, finishing.modification)
-    tolerance, real = scene.simulation.compile_tolerance_mm, disturbance(scene.errors)
-    whole = disturbed_operations(program.blocks, tools, real, tolerance, text, program.operations, scene.holders())
-    variants, inspections = [Variant(PROGRAM, "the whole program", whole)], list(_inspections(scene, probed))
-    feeds = [np.nan] * len(program.operations) if scene.program.file else [step.cutting.feed for step in steps]
-    inspections.append(ProgramInspection(PROGRAM, program, tuple(feeds)))
-    if scene.budget:
-        causes, budget = gear_budget(scene, probed, machine, tools, PROGRAM)
-        variants += causes
-        inspections.append(budget)
-    return Job(
-        name=scene.name,
-        part=_part(scene, probed),
-        variants=tuple(variants),
-        main=PROGRAM,
-        inspections=tuple(inspections),
-        settings=settings(scene),
-        scene=scene_table(scene),
-        files={"program.nc": text},
-        notes=(*program.notes, *notes),
-        conventions=_CONVENTIONS,
-    )
+    return Programmed(program, text, tools, probed, notes)
 
 
 def disturbance(errors: ErrorsTable) -> Disturbance:
@@ -139,7 +161,7 @@ def _finished_by(scene: CylindricalGearScene, program: Program) -> tuple[str, ..
     return (told,) * (last != number)
 
 
-def _part(scene: CylindricalGearScene, probed: ProbedGear) -> Part:
+def gear_part(scene: CylindricalGearScene, probed: ProbedGear) -> Part:
     tolerance = Tolerance.both(scene.metrology.tolerance_um)
     flanks = {
         side: Intended(ReachedFlank(probed.gear, side, 0, probed.design, probed.reached[side]), tolerance)
@@ -169,7 +191,7 @@ def _root_tolerance(scene: CylindricalGearScene) -> Tolerance:
     return Tolerance(scene.metrology.root_tolerance_um, scene.metrology.root_excess_um)
 
 
-def _inspections(scene: CylindricalGearScene, probed: ProbedGear) -> Iterator[Inspection]:
+def gear_inspections(scene: CylindricalGearScene, probed: ProbedGear) -> Iterator[Inspection]:
     m, gear, rim = scene.metrology, probed.gear, scene.surface.rim_mm
     spaces = tuple(range(m.spaces or gear.count))
     yield GearProbing(PROGRAM, probed, spaces, m.points, m.iso_class, scene.name)

@@ -12,7 +12,7 @@ from gearsim.metrology.grid import GridInspection
 from gearsim.metrology.job import Job
 from gearsim.motion.segments import SegmentTable, compile_cl
 from gearsim.motion.sources import CLMotion
-from gearsim.processes.brief import Brief, shortened
+from gearsim.processes.brief import Brief, Planned, shortened
 from gearsim.processes.cl_tools import cl_operations
 from gearsim.processes.errors import mounted
 from gearsim.processes.flank_milling import PROGRAM, limits, plan, real_cutters, tooth_and_part
@@ -52,16 +52,16 @@ class _Half:
         return Job(self.scene.name, self.part, (whole,), PROGRAM, tuple(grids), settings(self.scene))
 
 
-def plan_many(scenes: Sequence[FlankMillingScene], folder: Path, brief: Brief) -> list[Job | GearsimError]:
+def plan_many(scenes: Sequence[FlankMillingScene], folder: Path, brief: Brief) -> list[Planned | GearsimError]:
     """Each scene's job with the maps of its flanks alone, or why it has none. Figures are those of ``plan``'s job."""
-    out: dict[int, Job | GearsimError] = {}
+    out: dict[int, Planned | GearsimError] = {}
     halves: dict[int, _Half] = {}
     for i, scene in enumerate(scenes):
         try:
             if scene.toolpath.file is None:
                 halves[i] = _half(scene)
             else:
-                out[i] = shortened(plan(scene, folder), brief)
+                out[i] = Planned(shortened(plan(scene, folder), brief))
         except GearsimError as error:
             out[i] = error
     return [job for _, job in sorted({**out, **_compiled(halves)}.items())]
@@ -75,18 +75,18 @@ def _half(scene: FlankMillingScene) -> _Half:
     return _Half(scene, part, program, sources, real_cutters(scene, [tool.cutter for tool in planned.tools]))
 
 
-def _compiled(halves: dict[int, _Half]) -> dict[int, Job | GearsimError]:
+def _compiled(halves: dict[int, _Half]) -> dict[int, Planned | GearsimError]:
     """The jobs; scenes of one tolerance are compiled together, one by one where one of them cannot be."""
     by_tolerance: dict[float, list[int]] = {}
     for i, half in halves.items():
         by_tolerance.setdefault(half.scene.simulation.compile_tolerance_mm, []).append(i)
-    out: dict[int, Job | GearsimError] = {}
+    out: dict[int, Planned | GearsimError] = {}
     for tolerance, members in by_tolerance.items():
         try:
             sources = [source for i in members for source in halves[i].sources]
             reaches = [reach for i in members for reach in halves[i].reaches]
             tables = iter(compile_cl(sources, reaches, tolerance))
-            out |= {i: halves[i].job([next(tables) for _ in halves[i].sources]) for i in members}
+            out |= {i: Planned(halves[i].job([next(tables) for _ in halves[i].sources])) for i in members}
         except GearsimError as error:
             if len(members) == 1:
                 out[members[0]] = error

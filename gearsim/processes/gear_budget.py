@@ -7,6 +7,9 @@ from dataclasses import dataclass, replace
 from functools import partial
 from typing import NamedTuple
 
+import numpy as np
+from numpy.typing import NDArray
+
 from gearsim.cutters.profile import Profile
 from gearsim.machines.chain import Machine
 from gearsim.metrology.gear_budget import BudgetInspection
@@ -85,12 +88,13 @@ def gear_budget(
 def disturbed_operations(
     blocks: Blocks, tools: dict[int, Tool], real: Disturbance, tolerance: float, text: str = "",
     headings: tuple[str, ...] = (), holders: Mapping[int, Profile] | None = None,
+    chosen: NDArray[np.bool_] | None = None,
 ) -> tuple[Machined, ...]:  # fmt: skip
-    """A program's operations as a disturbed machine runs them, relative to the gear."""
+    """A program's operations as a disturbed machine runs them, relative to the gear; of the ``chosen`` blocks."""
     cutters = {number: real.cutter(tool) for number, tool in tools.items() if number in set(blocks.tool.tolist())}
     return program_operations(
         blocks, cutters, tolerance, shift=real.mounting, text=text, headings=headings, holders=holders,
-        real=real.machine(blocks.machine),
+        real=real.machine(blocks.machine), chosen=chosen,
     )  # fmt: skip
 
 

@@ -7,21 +7,20 @@ from importlib import import_module
 from pathlib import Path
 
 from gearsim.errors import GearsimError
-from gearsim.metrology.job import Job
-from gearsim.processes.brief import Brief, shortened
+from gearsim.processes.brief import Brief, Planned, shortened
 from gearsim.processes.run import plan
 from gearsim.scene import Scene
 
 _TOGETHER = {"FlankMillingScene": "flank_milling_many", "CylindricalGearScene": "cylindrical_many"}
 
 
-def plan_many(scenes: Sequence[Scene], folder: Path, brief: Brief) -> list[Job | GearsimError]:
+def plan_many(scenes: Sequence[Scene], folder: Path, brief: Brief) -> list[Planned | GearsimError]:
     """Each scene's job, with what the brief wants alone (see `shortened`), or why there is none, in their order.
 
     ``folder`` is where files that scenes name are looked up. What scenes beside each other share is made once, where
     their process has a planner for that.
     """
-    out: dict[int, Job | GearsimError] = {}
+    out: dict[int, Planned | GearsimError] = {}
     by_kind: dict[str, list[int]] = {}
     for i, scene in enumerate(scenes):
         whole = scene.stock is not None
@@ -36,8 +35,8 @@ def plan_many(scenes: Sequence[Scene], folder: Path, brief: Brief) -> list[Job |
     return [out[i] for i in range(len(scenes))]
 
 
-def _planned(scene: Scene, folder: Path, brief: Brief) -> Job | GearsimError:
+def _planned(scene: Scene, folder: Path, brief: Brief) -> Planned | GearsimError:
     try:
-        return shortened(plan(scene, folder), brief)
+        return Planned(shortened(plan(scene, folder), brief))
     except GearsimError as error:
         return error

@@ -2,21 +2,47 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+from functools import cached_property
 from itertools import pairwise
+from typing import Any, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
 from gearsim.cutters.element import Element
 from gearsim.cutters.profile import Profile
-from gearsim.geometry.solid import Solid
 from gearsim.motion.segments import DEGREE, SegmentTable
 
 _HALVINGS, _MOST_BALLS, _AT_ONCE = 6, 32, 1 << 18
 _ROUNDING = 1e-9
 
 
-def rows_near(table: SegmentTable, cutter: Profile, solid: Solid) -> NDArray[np.bool_]:
+@dataclass(frozen=True)
+class Cloud:
+    """All that lies within ``around`` [mm] of points, shape (n, 3), as what a tool may come near to."""
+
+    points: NDArray[np.floating]
+    around: float
+
+    @cached_property
+    def _tree(self) -> Any:
+        from scipy.spatial import cKDTree
+
+        return cKDTree(self.points)
+
+    def signed_distance(self, points: NDArray) -> NDArray[np.floating]:
+        """Distance [mm] of points, shape (n, 3), from its surface, negative inside."""
+        return np.asarray(self._tree.query(points)[0] - self.around)
+
+
+class Near(Protocol):
+    """What can be asked how far points are from it."""
+
+    def signed_distance(self, points: NDArray) -> NDArray: ...
+
+
+def rows_near(table: SegmentTable, cutter: Profile, solid: Near) -> NDArray[np.bool_]:
     """Rows, shape (rows,), that are not shown to stay clear of a solid whose distances are never told too large.
 
     The tool lies in balls along its axis. At the middle of a stretch of a row a ball is as far from the solid as its
@@ -40,7 +66,7 @@ def rows_near(table: SegmentTable, cutter: Profile, solid: Solid) -> NDArray[np.
 
 
 def _gap(
-    table: SegmentTable, solid: Solid, row: NDArray, x: NDArray, height: NDArray, radius: NDArray
+    table: SegmentTable, solid: Near, row: NDArray, x: NDArray, height: NDArray, radius: NDArray
 ) -> NDArray[np.floating]:
     """How far [mm] the balls are from the solid at x of each row, at least."""
     powers = x[:, None] ** np.arange(DEGREE + 1)

@@ -9,21 +9,21 @@ from typing import Any
 
 import numpy as np
 
-from gearsim.errors import GearsimError, InputError, NumericalError
+from gearsim.errors import GearsimError
 from gearsim.metrology.deviation import Deviation
 from gearsim.metrology.gear_iso import GearMeasurement
 from gearsim.metrology.grid import GridMeasurement
-from gearsim.metrology.inspection import Reading, perform, together
+from gearsim.metrology.inspection import Reading
 from gearsim.metrology.job import Job
 from gearsim.metrology.verdict import verdict
-from gearsim.processes.brief import Brief, mapped
+from gearsim.processes.brief import Brief, Planned, mapped
 from gearsim.processes.many import plan_many
 from gearsim.processes.run import plan
 from gearsim.scene import Scene
 from gearsim.scene.keys import put
 from gearsim.scene.loading import scene_of
 from gearsim.simulation.removal import prepare
-from gearsim.simulation.workshop import Workshop
+from gearsim.studies.performing import Done, performed
 from gearsim.studies.records import Outcome, Study, SurfaceMap
 
 _ONE_ROAD = "the envelope road was left out"
@@ -42,10 +42,8 @@ def run_chunk(
     scenes = [_scene(study, job) for job in jobs]
     planned = _planned(study, scenes, [bool(both[job]) for job in jobs])
     ready = perf_counter()
-    found = _performed(planned, device, cores)
-    outcomes = [
-        _outcome(study, job, of, result, bool(both[job])) for job, of, result in zip(jobs, planned, found, strict=True)
-    ]
+    found = performed(planned, device, cores)
+    outcomes = [_outcome(study, job, done, bool(both[job])) for job, done in zip(jobs, found, strict=True)]
     return outcomes, {"plan_s": ready - started, "cut_s": perf_counter() - ready}
 
 
@@ -64,12 +62,14 @@ def _scene(study: Study, job: int) -> Scene | GearsimError:
         return error
 
 
-def _planned(study: Study, scenes: Sequence[Scene | GearsimError], both: Sequence[bool]) -> list[Job | GearsimError]:
+def _planned(
+    study: Study, scenes: Sequence[Scene | GearsimError], both: Sequence[bool]
+) -> list[Planned | GearsimError]:
     """Jobs of scenes: whole ones where both roads are asked, what the study asks for of the others."""
     brief = Brief("maps" in study.asked.measure, "iso" in study.asked.measure)
     few = {i: s for i, s in enumerate(scenes) if isinstance(s, Scene) and not both[i]}
     short = dict(zip(few, plan_many(list(few.values()), study.folder, brief), strict=True))
-    out: list[Job | GearsimError] = []
+    out: list[Planned | GearsimError] = []
     for i, scene in enumerate(scenes):
         if isinstance(scene, GearsimError):
             out.append(scene)
@@ -78,47 +78,18 @@ def _planned(study: Study, scenes: Sequence[Scene | GearsimError], both: Sequenc
     return out
 
 
-def _whole(scene: Scene, study: Study) -> Job | GearsimError:
+def _whole(scene: Scene, study: Study) -> Planned | GearsimError:
     try:
-        return plan(scene, study.folder)
+        return Planned(plan(scene, study.folder))
     except GearsimError as error:
         return error
 
 
-def _performed(
-    planned: Sequence[Job | GearsimError], device: str, cores: int | None
-) -> list[list[Reading] | GearsimError]:
-    """The readings of each job, all asked in one go; one by one where one of them cannot be trusted."""
-    out: dict[int, list[Reading] | GearsimError] = {i: p for i, p in enumerate(planned) if isinstance(p, GearsimError)}
-    alike: dict[tuple[float, int], list[int]] = {}
-    for i, job in enumerate(planned):
-        if isinstance(job, Job):
-            alike.setdefault((job.settings.tolerance_mm, job.settings.interval_slots), []).append(i)
-    for settings, members in alike.items():
-        jobs = [planned[i] for i in members]
-        for i, readings in zip(members, _asked(jobs, settings, device, cores), strict=True):  # type: ignore[arg-type]
-            out[i] = readings
-    return [out[i] for i in range(len(planned))]
-
-
-def _asked(
-    jobs: Sequence[Job], settings: tuple[float, int], device: str, cores: int | None
-) -> list[list[Reading] | GearsimError]:
-    workshop = Workshop(device, *settings, threads=cores)
-    try:
-        return list(perform(together([job.steps() for job in jobs]), workshop))
-    except (NumericalError, InputError) as error:
-        if len(jobs) == 1:
-            return [error]
-        return [result for job in jobs for result in _asked([job], settings, device, cores)]
-
-
-def _outcome(
-    study: Study, job: int, planned: Job | GearsimError, found: list[Reading] | GearsimError, both: bool
-) -> Outcome:
-    if isinstance(found, GearsimError) or isinstance(planned, GearsimError):
-        return Outcome(job, "error", error=str(found))
-    maps, figures = _maps(planned, found), dict[str, Any]()
+def _outcome(study: Study, job: int, done: Done | GearsimError, both: bool) -> Outcome:
+    if isinstance(done, GearsimError):
+        return Outcome(job, "error", error=str(done))
+    (planned, found), figures = done, dict[str, Any]()
+    maps = _maps(planned, found)
     for surface, m in maps.items():
         figures |= {f"{surface}.{name}": value for name, value in _summary(m.deviation).items()}
     for reading in found:

@@ -7,14 +7,22 @@ import numpy as np
 import pytest
 
 from gearsim.errors import InputError
+from gearsim.metrology.gear_probing import all_rays, probing
+from gearsim.metrology.grid import GridMeasurement
 from gearsim.motion.segments import compile_cl, compile_motion
 from gearsim.motion.sources import CLMotion
+from gearsim.processes.brief import Brief, Planned, shortened
+from gearsim.processes.cylindrical import programmed
+from gearsim.processes.cylindrical_many import nearby
+from gearsim.processes.gear_budget import disturbed_operations
 from gearsim.processes.run import plan, run_job
 from gearsim.programs.cldata import CLPath, CLProgram, CLTool, as_read, format_cl, parse_cl
 from gearsim.scene import load_scene
 from gearsim.scene.keys import put
-from gearsim.scene.loading import scene_table
+from gearsim.scene.loading import scene_of, scene_table
+from gearsim.simulation.disturbance import Disturbance
 from gearsim.studies.chunk import run_chunk, tables_of
+from gearsim.studies.performing import performed
 from gearsim.studies.records import Asked, Parameter, Study
 
 SMALL = (
@@ -134,3 +142,61 @@ def test_a_jobs_values_leave_the_studys_tables_alone(study):
     tables = tables_of(study, 1)
     assert tables["cutter"]["taper_deg"] == 14.9
     assert study.tables["cutter"]["taper_deg"] == 15.0
+
+
+GEAR = (
+    "metrology.spaces=1", "metrology.points=9", "metrology.rows=3", "metrology.columns=3", "surface.face_width_mm=4.0",
+    "toolpath.slots.radial_step_mm=5.0", "toolpath.roughing.axial_step_mm=2.0", "simulation.dexel_pitch_mm=3.0",
+    "toolpath.roughing.involute_step_mm=5.0", "toolpath.finishing.involute_step_mm=2.0",
+    "toolpath.finishing.axial_step_mm=2.0",
+)  # fmt: skip
+ERRORS = {
+    "errors.axes.X.scale_um_m": (0.0, 30.0, 0.0, 0.0),
+    "errors.axes.B.offset_x_um": (0.0, -4.0, 0.0, 0.0),
+    "errors.axes.C.backlash_urad": (0.0, 5.0, 0.0, 0.0),
+    "errors.tool_radius_um": (0.0, 1.0, -30.0, 90.0),
+}
+
+
+@pytest.fixture(scope="module")
+def gears() -> Study:
+    scene, folder = load_scene("helical-external", GEAR)
+    tables = scene_table(scene.model_copy(update={"budget": None, "reference": None}))
+    parameters = tuple(Parameter(key, values) for key, values in ERRORS.items())
+    return Study("gears", "", tables, folder, parameters, "list", 7, Asked(("maps", "iso"), 0.0), 4)
+
+
+def test_gears_with_errors_are_those_that_the_whole_program_cuts(gears):
+    """Of 30 um left and 90 um too deep the blocks near the flanks tell nothing for certain: the whole program does."""
+    found = run_chunk(gears, range(4))[0]
+    assert [o.error for o in found] == [""] * 4
+    brief = Brief(maps=True, iso=True)
+    for job in (1, 3):
+        outcome = found[job]
+        whole = shortened(plan(scene_of(tables_of(gears, job), "gears"), gears.folder), brief)
+        (done,) = performed([Planned(whole)], "cpu", None)
+        maps = {m.surface: m for r in done.readings for m in r.measurements if isinstance(m, GridMeasurement)}
+        assert set(maps) == set(outcome.maps) == {"left", "right"}
+        for side, m in maps.items():
+            assert np.array_equal(1e3 * m.deviation.value, outcome.maps[side].deviation_um, equal_nan=True)
+    assert np.nanmax(np.abs(found[0].maps["left"].deviation_um)) < 1.0
+    assert found[3].maps["left"].deviation_um.mean() == pytest.approx(-90.0, abs=2.0)
+    assert found[1].figures["iso.F_alpha.left_um"] != found[0].figures["iso.F_alpha.left_um"]
+
+
+def test_blocks_left_out_are_farther_from_every_point_than_they_must_be(gears):
+    """Against the tool's own distance at many instants of each block that is left out."""
+    scene = scene_of(tables_of(gears, 0), "gears")
+    made = programmed(scene, gears.folder)
+    rays = [all_rays(probing(made.probed.gear, s, made.probed.reached[s], 5), (0,)).origin for s in ("left", "right")]
+    points = np.concatenate(rays)[::4]
+    near = nearby(made, points, 1e-9)
+    assert 0 < near.sum() < 0.3 * len(near)
+    (operation,) = disturbed_operations(made.program.blocks, made.tools, Disturbance(), 1e-9, chosen=~near)
+    for x in np.linspace(-1.0, 1.0, 5):
+        powers = x ** np.arange(6)
+        tip, axis = (np.einsum("k,nkc->nc", powers, c)[::3] for c in (operation.table.tip, operation.table.axis))
+        off = points[:, None] - tip
+        z = (off * axis).sum(axis=-1)
+        r = np.linalg.norm(off - z[..., None] * axis, axis=-1)
+        assert operation.cutter.signed_distance(r, z).min() > 0.1
