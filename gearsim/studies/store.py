@@ -93,9 +93,10 @@ class Store:
             names = {f.name for f in (self.folder / PARTS).iterdir()}
         except OSError as error:
             raise InputError(f"cannot read {self.folder / PARTS}: {error.strerror}") from error
-        return {k for k in range(self.study.chunks) if self.part(k).name in names and self._whole(k)}
+        return {k for k in range(self.study.chunks) if self.part(k).name in names and self.has(k)}
 
-    def _whole(self, chunk: int) -> bool:
+    def has(self, chunk: int) -> bool:
+        """Whether a chunk's part stands and is whole, its maps of the size that it says."""
         try:
             kept = self.kept(chunk)
             sizes = {self.folder / file: size for file, (size, _) in kept["files"].items()}
@@ -135,6 +136,10 @@ class Store:
             pq.write_table(table.replace_schema_metadata({NOTE: json.dumps(note)}), scratch, write_page_checksum=True)
         stale = (self.folder / PARTS).glob(f"{chunk:06d}-*.parquet")
         self._remove([file for file in stale if file != self.part(chunk) and _PART.fullmatch(file.name)])
+
+    def release(self) -> None:
+        """Leave no scratch in the folder, while others finish it."""
+        self._writer.release()
 
     def forget(self, chunk: int) -> None:
         """Drop a chunk's part, so that the chunk is not done."""

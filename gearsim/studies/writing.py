@@ -63,8 +63,14 @@ class Writer:
             with making(self.folder):
                 self._scratch = Path(tempfile.mkdtemp(prefix=PREFIX, dir=self.folder))
                 lock = hold(self._scratch)
-            weakref.finalize(self, _clear, self._scratch, lock, os.getpid())
+            self._clear = weakref.finalize(self, _clear, self._scratch, lock, os.getpid())
         return self._scratch
+
+    def release(self) -> None:
+        """Clear the scratch folder; the next file makes another."""
+        if self._scratch is not None:
+            self._clear()
+            self._scratch = None
 
 
 def _clear(scratch: Path, lock: int, process: int) -> None:
