@@ -9,6 +9,7 @@ if TYPE_CHECKING:
     from gearsim.processes.run import run
     from gearsim.result import Result
     from gearsim.scene import Scene, load_scene, scene_names
+    from gearsim.studies.run import StudyResult, study
 
 __version__ = "0.1.0"
 __all__ = [
@@ -17,13 +18,18 @@ __all__ = [
     "NumericalError",
     "Result",
     "Scene",
+    "StudyResult",
     "__version__",
     "load_scene",
     "run",
     "scene_names",
+    "study",
 ]
 
-_HOMES = {"Result": "result", "Scene": "scene", "load_scene": "scene", "run": "processes.run", "scene_names": "scene"}
+_HOMES = {
+    "Result": "result", "Scene": "scene", "StudyResult": "studies.run", "load_scene": "scene", "run": "processes.run",
+    "scene_names": "scene", "study": "studies.run",
+}  # fmt: skip
 
 
 def __getattr__(name: str) -> Any:

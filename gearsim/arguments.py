@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from gearsim import __version__
+from gearsim.studies.options import add_batch
 
 _FORMATS = ("svg", "pdf")  # of charts, beside PNG
 _EXIT_CODES = """exit codes:
@@ -31,6 +32,8 @@ def parser(runs: Mapping[str, Callable[[argparse.Namespace], int]]) -> argparse.
 
     _add_run(commands)
     commands.add_parser("scenes", help="list the built-in scenes")
+    add_batch(commands, _positive)
+    commands.add_parser("studies", help="list the built-in studies")
 
     new = commands.add_parser("new", help="write a commented scene to start from")
     new.add_argument("name", help="the scene's name or file; NAME.toml is written")

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import argparse
 import sys
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from shlex import quote
 from shutil import rmtree
@@ -95,11 +95,26 @@ def _dry_run(scene: Any, folder: Path, device: str) -> int:
 def _scenes(_: argparse.Namespace) -> int:
     from gearsim.scene import scene_names
 
-    names = scene_names()
+    return _list(scene_names())
+
+
+def _studies(_: argparse.Namespace) -> int:
+    from gearsim.scene.study_files import study_names
+
+    return _list(study_names())
+
+
+def _list(names: Mapping[str, str]) -> int:
     width = max(map(len, names))
     for name, text in names.items():
         print(f"{name:{width}}  {text}")
     return 0
+
+
+def _batch(options: argparse.Namespace) -> int:
+    from gearsim.studies.command import batch
+
+    return batch(options)
 
 
 def _new(options: argparse.Namespace) -> int:
@@ -150,6 +165,8 @@ def _bench(options: argparse.Namespace) -> int:
 _RUNS = {
     "run": _run,
     "scenes": _scenes,
+    "batch": _batch,
+    "studies": _studies,
     "new": _new,
     "view": _view,
     "inspect": _inspect,

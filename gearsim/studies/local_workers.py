@@ -1,0 +1,65 @@
+"""Dask workers of this machine, one core each, for as long as a study needs them.
+
+The scheduler lives in this process and the workers in sessions of their own: Ctrl-C reaches this process alone, and
+when it is killed, the workers end by themselves as they lose their scheduler.
+"""
+
+from __future__ import annotations
+
+import os
+import signal
+import subprocess
+import sys
+from collections.abc import Callable, Iterator
+from contextlib import ExitStack, contextmanager, suppress
+from tempfile import TemporaryFile
+from time import monotonic
+from typing import IO
+
+_ENDING_S = 3.0
+_OPTIONS = ("--nthreads", "1", "--memory-limit", "0", "--no-dashboard", "--host", "127.0.0.1", "--death-timeout", "60")
+
+
+@contextmanager
+def local_workers(count: int | None) -> Iterator[tuple[str, Callable[[], str]]]:
+    """The scheduler's address, and a function that says why all workers are gone, if they are."""
+    from logging import CRITICAL
+
+    from distributed import LocalCluster
+
+    with ExitStack() as stack:
+        cluster = LocalCluster(n_workers=0, dashboard_address=None, silence_logs=CRITICAL)
+        started: list[tuple[subprocess.Popen[bytes], IO[bytes]]] = []
+        stack.callback(_end, started)
+        stack.callback(cluster.close, timeout=2.0)
+        for _ in range(count or 1):
+            log = stack.enter_context(TemporaryFile())
+            started.append((_worker(cluster.scheduler_address, log), log))
+        yield cluster.scheduler_address, lambda: _why_gone(started)
+
+
+def _worker(address: str, log: IO[bytes]) -> subprocess.Popen[bytes]:
+    command = [sys.executable, "-P", "-m", "distributed.cli.dask_worker", address, *_OPTIONS]
+    return subprocess.Popen(
+        command, stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=log, start_new_session=True
+    )
+
+
+def _why_gone(started: list[tuple[subprocess.Popen[bytes], IO[bytes]]]) -> str:
+    if any(process.poll() is None for process, _ in started):
+        return ""
+    log = started[-1][1]
+    log.seek(0)
+    lines = log.read().decode(errors="replace").strip().splitlines() or ["nothing"]
+    return f"all workers have ended; the last one's last word was: {lines[-1]}"
+
+
+def _end(started: list[tuple[subprocess.Popen[bytes], IO[bytes]]]) -> None:
+    """Workers end as their scheduler has; those that are in the middle of a chunk are ended."""
+    until = monotonic() + _ENDING_S
+    for process, _ in started:
+        with suppress(subprocess.TimeoutExpired):
+            process.wait(max(0.0, until - monotonic()))
+        with suppress(ProcessLookupError):
+            os.killpg(process.pid, signal.SIGKILL)
+        process.wait()
