@@ -6,6 +6,7 @@ finds them. Chunks in which workers die are done last, job by job and one at a t
 
 from __future__ import annotations
 
+import logging
 from collections import deque
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import CancelledError
@@ -74,14 +75,11 @@ def _joined(address: str) -> Iterator[tuple[str, Callable[[], str]]]:
 def quiet() -> None:
     """Keep what Dask logs off the screen. Raises InputError where it is not installed."""
     try:
-        import dask
-    except ImportError:
-        raise InputError("Dask is not installed; it comes with pip install 'gearsim[batch]'") from None
-    dask.config.set({"logging.distributed": "critical", "logging.tornado": "critical"})
-    try:
         import distributed  # noqa: F401
     except ImportError:
-        raise InputError("Dask's scheduler is not installed; it comes with pip install 'gearsim[batch]'") from None
+        raise InputError("Dask is not installed; it comes with pip install 'gearsim[batch]'") from None
+    for name in [n for n in logging.root.manager.loggerDict if n.partition(".")[0] in ("distributed", "tornado")]:
+        logging.getLogger(name).setLevel(logging.CRITICAL)
 
 
 class _Flow:

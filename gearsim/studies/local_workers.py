@@ -12,40 +12,40 @@ import subprocess
 import sys
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack, contextmanager, suppress
-from tempfile import TemporaryFile
-from time import monotonic
+from logging import CRITICAL
+from tempfile import TemporaryDirectory, TemporaryFile
 from typing import IO
 
-_ENDING_S = 3.0
 _OPTIONS = ("--nthreads", "1", "--memory-limit", "0", "--no-dashboard", "--host", "127.0.0.1", "--death-timeout", "60")
+_Started = list[tuple[subprocess.Popen[bytes], IO[bytes]]]
 
 
 @contextmanager
 def local_workers(count: int | None) -> Iterator[tuple[str, Callable[[], str]]]:
     """The scheduler's address, and a function that says why all workers are gone, if they are."""
-    from logging import CRITICAL
-
     from distributed import LocalCluster
 
     with ExitStack() as stack:
+        scratch = stack.enter_context(TemporaryDirectory(ignore_cleanup_errors=True))
         cluster = LocalCluster(n_workers=0, dashboard_address=None, silence_logs=CRITICAL)
-        started: list[tuple[subprocess.Popen[bytes], IO[bytes]]] = []
-        stack.callback(_end, started)
         stack.callback(cluster.close, timeout=2.0)
+        started: _Started = []
+        stack.callback(_end, started)
         for _ in range(count or 1):
             log = stack.enter_context(TemporaryFile())
-            started.append((_worker(cluster.scheduler_address, log), log))
+            started.append((_worker(cluster.scheduler_address, scratch, log), log))
         yield cluster.scheduler_address, lambda: _why_gone(started)
 
 
-def _worker(address: str, log: IO[bytes]) -> subprocess.Popen[bytes]:
+def _worker(address: str, scratch: str, log: IO[bytes]) -> subprocess.Popen[bytes]:
     command = [sys.executable, "-P", "-m", "distributed.cli.dask_worker", address, *_OPTIONS]
     return subprocess.Popen(
-        command, stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=log, start_new_session=True
-    )
+        [*command, "--local-directory", scratch],
+        stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=log, start_new_session=True,
+    )  # fmt: skip
 
 
-def _why_gone(started: list[tuple[subprocess.Popen[bytes], IO[bytes]]]) -> str:
+def _why_gone(started: _Started) -> str:
     if any(process.poll() is None for process, _ in started):
         return ""
     log = started[-1][1]
@@ -54,12 +54,9 @@ def _why_gone(started: list[tuple[subprocess.Popen[bytes], IO[bytes]]]) -> str:
     return f"all workers have ended; the last one's last word was: {lines[-1]}"
 
 
-def _end(started: list[tuple[subprocess.Popen[bytes], IO[bytes]]]) -> None:
-    """Workers end as their scheduler has; those that are in the middle of a chunk are ended."""
-    until = monotonic() + _ENDING_S
+def _end(started: _Started) -> None:
+    """Workers are killed as they stand: what they have done is kept, and what they are at would not be."""
     for process, _ in started:
-        with suppress(subprocess.TimeoutExpired):
-            process.wait(max(0.0, until - monotonic()))
         with suppress(ProcessLookupError):
             os.killpg(process.pid, signal.SIGKILL)
         process.wait()

@@ -1,32 +1,35 @@
 """A stand-in of run_chunk whose jobs are quick, and do what the key ``simulation.interval_slots`` says."""
 
 import os
-import signal
 import time
+from pathlib import Path
 
 import numpy as np
 
 from gearsim.studies.records import Outcome, SurfaceMap
 
-COUNTED = "GEARSIM_TEST_COUNTED"  # the file to which every chunk's first job is written when it is computed
-SECONDS = "GEARSIM_TEST_SECONDS"  # that a chunk takes
-BAD, FATAL = 13, 66
+FAKE = "tests.studies.fakes:fake_chunk"
+SECONDS = 0.1  # that a chunk takes whose study is counted
+BAD, RAISES = 13, 66
 
 
 def fake_chunk(study, jobs, device="cpu", cores=None):
-    """Figures and a map from the jobs' values; a job of the value BAD is an error, one of FATAL ends its process."""
+    """Figures and a map from the jobs' values; a job of the value BAD is an error, one of RAISES is a fault.
+
+    The study's summary names the file in which chunks are counted.
+    """
     jobs = list(jobs)
-    if COUNTED in os.environ:
-        with open(os.environ[COUNTED], "a") as file:
-            file.write(f"{jobs[0]}\n")
-    time.sleep(float(os.environ.get(SECONDS, "0")))
+    if study.summary:
+        with Path(study.summary).open("a") as file:
+            file.write(f"{jobs[0]} {os.getpid()}\n")
+        time.sleep(SECONDS)
     return [_outcome(study, job) for job in jobs], {"cut_s": 0.0}
 
 
 def _outcome(study, job):
     value = study.parameters[0].values[job]
-    if value == FATAL:
-        os.kill(os.getpid(), signal.SIGKILL)
+    if value == RAISES:
+        raise RuntimeError("nobody has thought of this")
     if value == BAD:
         return Outcome(job, "error", error="the tool does not fit")
     u = np.linspace(0.0, 1.0, 3)
@@ -36,12 +39,16 @@ def _outcome(study, job):
     return Outcome(job, "pass", figures={"convex.max_um": float(map_.max())}, maps={"convex": surface})
 
 
-def fake_study(count=20, chunk=2, special=()):
-    """A study's tables; ``special``: values of its first jobs."""
+def fake_study(count=20, chunk=2, special=(), counted=None):
+    """A study's tables; ``special``: values of its first jobs.
+
+    ``counted``: a file in which every chunk that is begun has a line, its first job and its process.
+    """
     values = [*special, *range(100, 100 + count - len(special))]
     return {
         "study": {
             "name": "fake", "scene": "spiral-bevel-flank", "method": "list", "chunk": chunk,
+            "summary": str(counted or ""),
             "set": {"metrology": {"rows": 3, "columns": 3}},
         },
         "vary": [{"key": "simulation.interval_slots", "values": values}],
