@@ -145,7 +145,7 @@ class _Flow:
                 return future.result(), None
         except (CancelledError, OSError, TimeoutError):
             raise _lost() from None
-        if isinstance(error, GearsimError):
+        if isinstance(error, GearsimError | OSError):
             raise error
         if isinstance(error, ModuleNotFoundError) and str(error.name).partition(".")[0] == "gearsim":
             raise InputError(

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
 
+from gearsim.studies.careful import careful
 from gearsim.studies.chunk import run_chunk
 from gearsim.studies.records import Outcome, Study
 
@@ -14,6 +15,6 @@ def computed(
     """Chunk after chunk with its outcomes and the seconds it took; ``done`` is told of jobs done."""
     for chunk in chunks:
         jobs = study.jobs_of(chunk)
-        outcomes, seconds = run_chunk(study, jobs, device)
+        outcomes, seconds = careful(run_chunk, study, jobs, device)
         done(len(jobs))
         yield chunk, outcomes, seconds

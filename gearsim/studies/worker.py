@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 from importlib import import_module
@@ -13,11 +12,11 @@ from typing import cast
 
 from gearsim.errors import InputError
 from gearsim.result import versions
-from gearsim.studies.records import Outcome, Study, counted
+from gearsim.studies.careful import Compute, careful
+from gearsim.studies.records import Outcome, counted
 from gearsim.studies.store import STUDY, Store
 from gearsim.studies.writing import sha256
 
-Compute = Callable[[Study, Sequence[int], str, int | None], tuple[list[Outcome], dict[str, float]]]
 RUN_CHUNK = "gearsim.studies.chunk:run_chunk"
 
 
@@ -50,7 +49,7 @@ def keep_chunk(asked: Errand, chunk: int) -> dict[str, int]:
     store = _store(asked, get_ident())
     if store.has(chunk):  # a task comes again where the worker was lost that had done it
         return {}
-    outcomes, seconds = _compute(asked)(store.study, store.study.jobs_of(chunk), asked.device, 1)
+    outcomes, seconds = careful(_compute(asked), store.study, store.study.jobs_of(chunk), asked.device, 1)
     store.put(chunk, outcomes, seconds, asked.device)
     store.release()
     return counted(outcomes)
@@ -58,7 +57,7 @@ def keep_chunk(asked: Errand, chunk: int) -> dict[str, int]:
 
 def one_job(asked: Errand, job: int) -> Outcome:
     """What comes of one job, kept nowhere."""
-    (outcome,), _ = _compute(asked)(_store(asked, get_ident()).study, [job], asked.device, 1)
+    (outcome,), _ = careful(_compute(asked), _store(asked, get_ident()).study, [job], asked.device, 1)
     return outcome
 
 

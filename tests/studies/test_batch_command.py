@@ -10,7 +10,7 @@ import gearsim
 from gearsim.cli import main
 from gearsim.errors import InputError
 from gearsim.output.jobs_bar import told
-from tests.studies.fakes import BAD, data, fake_chunk, fake_study
+from tests.studies.fakes import BAD, RAISES, data, fake_chunk, fake_study
 from tests.sweep.scenes import to_toml
 
 
@@ -40,6 +40,23 @@ def test_3_bad_jobs_of_20_leave_17_results_and_3_rows_that_say_why(batch, tmp_pa
     assert [row["verdict"] for row in rows] == ["error"] * 3 + ["pass"] * 17
     assert [row["error"] for row in rows if row["error"]] == ["the tool does not fit"] * 3
     assert [row["job"] for row in rows] == list(range(20))
+
+
+def test_a_fault_of_the_program_costs_its_own_job_alone(batch, tmp_path):
+    code, out, _ = batch(fake_study(6, 3, special=(100, RAISES)))
+    assert code == 1
+    assert "1 job has an error, job 1 first: RuntimeError: nobody has thought of this" in out
+    assert pq.read_table(tmp_path / "out" / "jobs.parquet")["verdict"].to_pylist() == ["pass", "error", *["pass"] * 4]
+
+
+@pytest.mark.parametrize("error", [InputError("no such device"), OSError("no room")])
+def test_what_is_wrong_with_the_machine_is_no_job_s_fault(batch, tmp_path, monkeypatch, error):
+    def refuse(*_):
+        raise error
+
+    monkeypatch.setattr("gearsim.studies.local.run_chunk", refuse)
+    code, _, err = batch(fake_study(6, 3))
+    assert (code, err) == (2, f"gearsim: {error}\n")
 
 
 def test_python_does_what_the_command_does(batch, tmp_path):

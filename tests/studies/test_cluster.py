@@ -95,6 +95,15 @@ def test_a_chunk_that_raises_is_done_job_by_job(cluster, tmp_path):
     assert errors == {0: "the tool does not fit", 2: "RuntimeError: nobody has thought of this"}
 
 
+def test_a_chunk_in_which_workers_died_is_kept_job_by_job(cluster, tmp_path):
+    store = Store.create(tmp_path, read_study(fake_study(4, 2, special=(BAD, 120))))
+    with clusters._client(None, cluster.address) as (client, gone):
+        clusters._Flow(client, Silent(), gone).job_by_job(errand(store, "cpu", FAKE), 0, store)
+    assert store.done() == {0}
+    store.put(1, *fake_chunk(store.study, store.study.jobs_of(1)))
+    assert store.finish() == {"error": 1, "pass": 3}
+
+
 def test_a_job_of_which_workers_die_says_so():
     from distributed.scheduler import KilledWorker
 
