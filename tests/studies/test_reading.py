@@ -1,5 +1,7 @@
 import copy
+import re
 import tomllib
+from pathlib import Path
 
 import pytest
 
@@ -38,12 +40,17 @@ def refused(tables, *overrides):
 
 
 @pytest.mark.parametrize("name", study_names())
-def test_built_in_studies_are_read_and_comment_every_value(name):
+def test_built_in_studies_are_read_and_their_last_job_is_a_scene(name):
     study = read_study(name)
     assert study.name == name
     assert len(study) >= 20
     assert len(study.summary) > 20
     check_scene(tables_of(study, len(study) - 1), name)
+
+
+def test_the_documented_study_is_read():
+    text = (Path(__file__).parent.parent.parent / "docs" / "batch.md").read_text()
+    assert len(read_study(tomllib.loads(re.search(r"```toml\n(.*?)```", text, re.DOTALL)[1]))) == 256
 
 
 def test_a_study_has_the_scene_s_tables_under_what_is_fixed_and_its_jobs_differ_in_what_varies(tables):
