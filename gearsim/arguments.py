@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from gearsim import __version__
+from gearsim.studies.compare_arguments import add_compare
 from gearsim.studies.options import add_batch
 
 _FORMATS = ("svg", "pdf")  # of charts, beside PNG
@@ -45,6 +46,7 @@ def parser(runs: Mapping[str, Callable[[argparse.Namespace], int]]) -> argparse.
     _add_gouge(commands)
     _add_verify(commands)
     _add_bench(commands)
+    add_compare(commands)
     for name, made in commands.choices.items():
         made.set_defaults(command=runs[name])
     return out

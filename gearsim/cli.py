@@ -162,6 +162,12 @@ def _bench(options: argparse.Namespace) -> int:
     return bench(options)
 
 
+def _compare(options: argparse.Namespace) -> int:
+    from gearsim.studies.compare import command
+
+    return command(options)
+
+
 _RUNS = {
     "run": _run,
     "scenes": _scenes,
@@ -174,6 +180,7 @@ _RUNS = {
     "gouge": _gouge,
     "verify": _verify,
     "bench": _bench,
+    "compare": _compare,
 }
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import sys
+from collections.abc import Collection, Sequence
 from pathlib import Path
 from types import TracebackType
 from typing import Any
@@ -91,15 +92,22 @@ def print_estimate(name: str, estimate: dict[str, float]) -> None:
 
 def print_bench(report: dict[str, Any]) -> None:
     """A benchmark's table and machine."""
-    table = Table(title=f"gearsim bench {report['suite']} on {report['machine']['device']}")
-    for head in report["columns"]:
-        text = all(isinstance(row[head], str) for row in report["rows"])
-        table.add_column(head, justify="left" if text else "right")
-    for row in report["rows"]:
-        table.add_row(*(escape(_figure(row[head])) for head in report["columns"]))
-    (_CONSOLE if _CONSOLE.is_terminal else Console(highlight=False, width=_WIDE)).print(table)
+    heads, rows = report["columns"], report["rows"]
+    words = {head for head in heads if all(isinstance(row[head], str) for row in rows)}
+    title = f"gearsim bench {report['suite']} on {report['machine']['device']}"
+    print_rows(title, heads, [[_figure(row[head]) for head in heads] for row in rows], words)
     for line in report["notes"]:
         _CONSOLE.print(line, markup=False)
+
+
+def print_rows(title: str, heads: Sequence[str], rows: Sequence[Sequence[str]], words: Collection[str] = ()) -> None:
+    """A table as wide as it needs where no terminal limits it; columns of ``words`` stand to the left."""
+    table = Table(title=title)
+    for head in heads:
+        table.add_column(head, justify="left" if head in words else "right", overflow="fold")
+    for row in rows:
+        table.add_row(*map(escape, row))
+    (_CONSOLE if _CONSOLE.is_terminal else Console(highlight=False, width=_WIDE)).print(table)
 
 
 def _figure(x: Any) -> str:

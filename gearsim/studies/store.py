@@ -117,7 +117,7 @@ class Store:
         return dict(json.loads(meta.metadata[NOTE]))
 
     def put(self, chunk: int, outcomes: Sequence[Outcome], seconds: Mapping[str, float], device: str = "cpu") -> None:
-        """Keep a chunk: its maps first, then its rows, whose part is what counts. What it was before is replaced.
+        """Keep a chunk: its maps first, then its rows, whose part is what counts. A chunk that is done stays as it is.
 
         ``seconds`` by what they were spent on. Raises InputError where the disk refuses it, and ValueError where
         outcomes are not those of the chunk's jobs.
@@ -130,6 +130,8 @@ class Store:
         if [o.job for o in outcomes] != list(self.study.jobs_of(chunk)):
             raise ValueError(f"chunk {chunk} has jobs {self.study.jobs_of(chunk)}, got {[o.job for o in outcomes]}")
         table = table_of(self.study, outcomes)
+        if self.has(chunk):
+            return  # by another worker: a task may run twice at once
         self.open_again()
         note = self._put_maps(chunk, outcomes) | {"seconds": dict(seconds), "device": device}
         with self._writer.into(self.part(chunk)) as scratch:

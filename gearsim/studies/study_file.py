@@ -59,7 +59,7 @@ def differences(told: Mapping[str, Any], other: Mapping[str, Any]) -> list[str]:
     out = []
     for key in dict.fromkeys([*told, *other]):
         if key not in (*_SAYS_NOTHING_OF_JOBS, "parameters"):
-            out += list(_unequal(key, told.get(key), other.get(key)))
+            out += list(unequal(key, told.get(key), other.get(key)))
     mine, theirs = ({p["key"]: p for p in t["parameters"]} for t in (told, other))
     for key in dict.fromkeys([*mine, *theirs]):
         if key not in mine or key not in theirs:
@@ -69,10 +69,11 @@ def differences(told: Mapping[str, Any], other: Mapping[str, Any]) -> list[str]:
     return out
 
 
-def _unequal(name: str, one: Any, other: Any) -> Iterator[str]:
+def unequal(name: str, one: Any, other: Any) -> Iterator[str]:
+    """Where nested plain values differ: dotted names, with both values if short; the name ``tables`` goes unsaid."""
     if isinstance(one, dict) and isinstance(other, dict):
         for key in dict.fromkeys([*one, *other]):
-            yield from _unequal(f"{name}.{key}" if name != "tables" else key, one.get(key), other.get(key))
+            yield from unequal(f"{name}.{key}" if name != "tables" else key, one.get(key), other.get(key))
     elif _text(one) != _text(other):
         short = len(_text(one)) + len(_text(other)) < 60
         yield f"{name} ({_text(one)} there, {_text(other)} here)" if short else name

@@ -144,6 +144,7 @@ def test_xarray_reads_the_maps_with_their_coordinates(made):
 def test_samples_that_lie_elsewhere_in_each_job_stand_once_a_job(tmp_path):
     store = fill(Store.create(tmp_path / "out", study(tmp_path)), moved=True)
     store.finish()
+    store.forget(2)
     fill(store, (2,), moved=True)
     store.finish()
     maps = zarr.open_group(tmp_path / "out/maps.zarr", mode="r")
