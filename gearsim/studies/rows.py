@@ -8,6 +8,7 @@ from math import isfinite
 from numbers import Integral, Real
 from typing import Any
 
+import numpy as np
 import pyarrow as pa
 
 from gearsim.output.columns import unit_of
@@ -76,21 +77,25 @@ def cast(table: pa.Table, schema: pa.Schema) -> pa.Table:
 
 
 def parameter_type(parameter: Parameter) -> pa.DataType:
-    """The type of a parameter's column: that which holds all its values as they are; else words."""
-    kinds = {_type(v) for v in parameter.values}
-    if pa.bool_() in kinds:
-        return pa.bool_() if kinds == {pa.bool_()} else pa.string()
-    return widest(kinds)
+    """The type of a parameter's column."""
+    return widest(_type(v) for v in parameter.values)
 
 
 def widest(kinds: Iterable[pa.DataType]) -> pa.DataType:
-    """The least of the types that holds all of them."""
-    return _TYPES[max((_TYPES.index(kind) for kind in kinds), default=0)]
+    """The least of the types that holds all of them; where some are true or false and others not, words."""
+    found = set(kinds) - {pa.null()}
+    if pa.bool_() in found:
+        return pa.bool_() if len(found) == 1 else pa.string()
+    return _TYPES[max((_TYPES.index(kind) for kind in found), default=0)]
 
 
 def as_type(value: Value | None, kind: pa.DataType) -> Any:
-    """A value as a column of that type takes it."""
-    return value if value is None or kind != pa.string() else str(value)
+    """A value as a column of that type takes it; as words, numbers are what a cast of their whole column gives."""
+    if value is None or isinstance(value, str):
+        return value
+    if kind == pa.string():
+        return str(value) if _type(value) == pa.string() else pa.scalar(value, _type(value)).cast(kind).as_py()
+    return float(value) if kind == pa.float64() else value
 
 
 def _type(value: Any) -> pa.DataType:
@@ -104,6 +109,8 @@ def _type(value: Any) -> pa.DataType:
 
 
 def _plain(value: Any) -> Any:
+    if isinstance(value, bool | np.bool_):
+        return bool(value)
     if isinstance(value, Integral):
         return int(value)
     if isinstance(value, Real):
