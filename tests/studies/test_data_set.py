@@ -1,5 +1,7 @@
 import json
+import re
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pyarrow.parquet as pq
@@ -234,3 +236,26 @@ def test_timings_stand_apart(made):
     rows = pq.read_table(made.folder / "timings.parquet").to_pylist()
     assert rows[3] == {"chunk": 3, "first_job": 18, "jobs": 2, "device": "cpu", "kernel_s": 1.0, "planning_s": 0.5}
     assert "timings.parquet" not in json.loads((made.folder / "manifest.json").read_bytes())["files"]
+
+
+def test_the_documented_ways_to_read_it_work(tmp_path, monkeypatch, capsys):
+    for name in ("pandas", "polars", "duckdb", "xarray"):
+        pytest.importorskip(name)
+    parameters = tuple(Parameter(f"toolpath.{k}", tuple(range(9, 17))) for k in ("points", "decimals"))
+    store = Store.create(tmp_path / "runs/cl-density", study(tmp_path, parameters=parameters))
+    outcomes = [
+        replace(o, figures={"convex.rms_um": o.job, "convex.max_um": float(o.job)}) for o in map(outcome, range(8))
+    ]
+    for chunk in range(2):
+        store.put(chunk, [outcomes[job] for job in store.study.jobs_of(chunk)], {})
+    store.finish()
+    monkeypatch.chdir(tmp_path)
+    text = (Path(__file__).parents[2] / "docs/data-set.md").read_text(encoding="utf-8")
+    snippets = re.findall(r"```python\n(.*?)```", text, re.DOTALL)
+    for snippet in snippets:
+        exec(snippet, {})
+    assert len(snippets) == 4
+    shown = capsys.readouterr().out
+    assert BAD[3] in shown
+    assert f"{np.nanmax(outcome(7).maps['convex'].deviation_um)} um" in shown
+    assert "(8, 4, 6) measured uncut through absent" in shown
