@@ -18,6 +18,7 @@ from gearsim.metrology.program_times import ProgramInspection
 from gearsim.metrology.rapid_check import RapidInspection
 from gearsim.metrology.tooth_check import ToothInspection
 from gearsim.processes.claims import Claim, head_claims
+from gearsim.processes.errors import error_notes
 from gearsim.processes.generating import generating
 from gearsim.processes.parts import Limits, held, part_of
 from gearsim.processes.read_file import ReadFile, read_file
@@ -59,7 +60,7 @@ def plan(scene: ProgramScene, folder: Path) -> Job:
         inspections=tuple(asked.inspections()),
         settings=settings(scene),
         scene=scene_table(scene),
-        notes=read.notes,
+        notes=(*read.notes, *error_notes(scene.errors)),
         conventions={"grids": "rows root to tip, columns along the face (a net: along v and u)"},
     )
 

@@ -24,6 +24,7 @@ from gearsim.metrology.other_spaces import SpacesInspection
 from gearsim.metrology.program_times import ProgramInspection
 from gearsim.metrology.rapid_check import RapidInspection
 from gearsim.processes.claims import Claim, Involute
+from gearsim.processes.errors import error_notes
 from gearsim.processes.frames import FACE_FRAME
 from gearsim.processes.gear_budget import disturbed_operations, gear_budget
 from gearsim.processes.settings import settings
@@ -85,7 +86,7 @@ def plan(scene: CylindricalGearScene, folder: Path) -> Job:
         settings=settings(scene),
         scene=scene_table(scene),
         files={"program.nc": made.text},
-        notes=(*program.notes, *made.notes),
+        notes=(*program.notes, *made.notes, *error_notes(scene.errors)),
         conventions=_CONVENTIONS,
     )
 

@@ -5,7 +5,8 @@ from __future__ import annotations
 from typing import overload
 
 from gearsim.motion.sources import CLMotion, MotionSource, MovedMotion
-from gearsim.scene.tool_errors import ErrorTable, MountingErrorsTable
+from gearsim.scene.error_table import ErrorTable
+from gearsim.scene.tool_errors import MountingErrorsTable
 
 
 @overload

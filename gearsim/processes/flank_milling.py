@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import replace
 from difflib import get_close_matches
 from functools import lru_cache
 from math import inf
@@ -26,7 +27,7 @@ from gearsim.motion.sources import CLMotion, MotionSource
 from gearsim.processes.cl_tools import cl_cutters, cl_operations
 from gearsim.processes.claims import Claim, Swept
 from gearsim.processes.errors import error_notes, mounted
-from gearsim.processes.flank_program import machine_program
+from gearsim.processes.flank_program import faulty_operations, machine_program, operation_of
 from gearsim.processes.parts import Limits, bevel_part, held
 from gearsim.processes.settings import settings
 from gearsim.processes.slot_program import slot_program
@@ -39,7 +40,13 @@ from gearsim.surfaces.part import Part, Tolerance
 from gearsim.surfaces.patch import SIDES, Side, Tooth
 from gearsim.toolpaths.tangent import FlankPass
 
-THEORY, OWN, PROGRAM, OTHERS = "theory", "own pass", "program", "other passes"
+THEORY, OWN, PROGRAM, OTHERS, LAST = "theory", "own pass", "program", "other passes", "last operation"
+PROGRAM_FILE = "program.nc"
+_RAPID, _RAPID_LINE = "rapid move {number} of the CL data", "the rapid move of line {line}"
+_FAULTY = (
+    "program is what the machine, with the errors of its axes, does with program.nc as it is written; "
+    "the other motions are those of the CL data, without them"
+)
 _CONVENTIONS = {
     THEORY: "the flank's own pass, planner's continuous motion (what planning costs)",
     OWN: "the flank's own pass as CL data (adds what discretisation costs)",
@@ -71,18 +78,22 @@ def plan(scene: FlankMillingScene, folder: Path) -> Job:
         cutters, holders = zip(*planned.tools, strict=True)
     files = {"toolpath.cl": text}
     if scene.program:
-        files["program.nc"] = machine_program(scene, scene.program, program, cutters)
+        files[PROGRAM_FILE] = machine_program(scene, scene.program, program, cutters)
     real = real_cutters(scene, cutters)
+    faulty = faulty_operations(scene, program, real, holders, files.get(PROGRAM_FILE, ""))
     return Job(
         name=scene.name,
         part=part,
-        variants=tuple(_variants(scene, program, planners, real, holders)),
+        variants=tuple(_variants(scene, program, planners, real, holders, faulty)),
         main=PROGRAM,
-        inspections=(*_inspections(scene, tooth, program, planners), *held(PROGRAM, tooth, m.tooth)),
+        inspections=(
+            *_inspections(scene, tooth, program, planners, faulty is not None),
+            *held(PROGRAM, tooth, m.tooth),
+        ),
         settings=settings(scene),
         scene=scene_table(scene),
         files=files,
-        notes=(*told, *error_notes(scene.errors)),
+        notes=(*told, *error_notes(scene.errors), *[_FAULTY] * (faulty is not None)),
         conventions={"grids": "rows root to tip, columns toe to heel"},
     )
 
@@ -147,12 +158,12 @@ def own_paths(program: CLProgram, side: Side) -> list[int]:
 
 def _variants(
     scene: FlankMillingScene, program: CLProgram, planners: Mapping[Side, FlankPass], cutters: Sequence[Profile],
-    holders: Sequence[Profile | None],
+    holders: Sequence[Profile | None], faulty: tuple[Operation, ...] | None,
 ) -> Iterator[Variant]:  # fmt: skip
     tolerance, cutter, errors = scene.simulation.compile_tolerance_mm, scene.real_tool(), scene.errors
     sources = [mounted(CLMotion(p.tips, p.axes), errors) for p in program.paths]
     whole = Variant(PROGRAM, _CONVENTIONS[PROGRAM], cl_operations(program, cutters, sources, tolerance, holders))
-    yield whole
+    yield whole if faulty is None else Variant(PROGRAM, _FAULTY, faulty)
     for side in SIDES:
         own = own_paths(program, side)
         rest = [i for i in range(len(sources)) if i not in own]
@@ -178,7 +189,7 @@ def _of_points(n: int, side: Side, motion: MotionSource, cutter: Profile, tolera
 
 
 def _inspections(
-    scene: FlankMillingScene, tooth: Tooth, program: CLProgram, planners: Mapping[Side, FlankPass]
+    scene: FlankMillingScene, tooth: Tooth, program: CLProgram, planners: Mapping[Side, FlankPass], faulty: bool
 ) -> Iterator[Inspection]:
     m = scene.metrology
     box = slot_box(tooth.patches, tooth.blank, scene.simulation.dexel_pitch_mm)
@@ -192,6 +203,13 @@ def _inspections(
             side, (*motions, PROGRAM), motions, m.rows, m.columns, m.margin, m.window, judged=(PROGRAM,),
             strangers="" if alone else OTHERS, series=series,
         )  # fmt: skip
+        if faulty:  # no other motion is the program's, so both roads are asked for what of it finishes the flank
+            grid = replace(
+                grid,
+                variants=(PROGRAM, *motions),
+                last=LAST,
+                heading=operation_of(program, own_paths(program, side)[-1]),
+            )
         dense.append(grid)
         yield grid
         yield GridInspection(
@@ -200,7 +218,7 @@ def _inspections(
         )  # fmt: skip
         height = float(tooth.blank.mid_working_depth_at(tooth.blank.mean))
         yield ProfileInspection(side, motions[0], m.profile_offsets_mm, height, _published(scene.reference, side))
-    yield RapidInspection(PROGRAM, box, "rapid move {number} of the CL data")
+    yield RapidInspection(PROGRAM, box, _RAPID_LINE if faulty else _RAPID)
     if scene.has_holders:
         yield HolderInspection(PROGRAM, tuple(dense), box)
     root = tuple(p.name for p in tooth.patches if p.part != "flank")

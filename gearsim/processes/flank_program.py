@@ -8,18 +8,22 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
-from itertools import count, groupby
+from itertools import count, groupby, pairwise
 
 from gearsim.cutters.profile import Profile
 from gearsim.errors import InputError
+from gearsim.geometry.rigid import Rigid
 from gearsim.processes.frames import CLAMPED
 from gearsim.programs.cldata import RAPID, CLProgram, apt_parameters
+from gearsim.programs.gcode import read_program
 from gearsim.programs.operation import Operation, Tool
 from gearsim.programs.path_blocks import blocks_from_cl
 from gearsim.programs.post import write_program
 from gearsim.programs.post_options import Header
 from gearsim.scene import FlankMillingScene
-from gearsim.scene.program import ProgramTable
+from gearsim.scene.program import ControlTable, ProgramTable
+from gearsim.simulation.operation import Operation as Machined
+from gearsim.simulation.program import program_operations
 
 MOST_TOOLS = 9999  # the largest T number
 
@@ -51,6 +55,33 @@ def machine_program(scene: FlankMillingScene, table: ProgramTable, cl: CLProgram
     lines = (scene.scene.summary, "gear on its back: x, -y, -z of the gear frame, origin at the pitch apex")
     header = Header(table.number, scene.name, tuple(line for line in lines if line))
     return write_program(operations, header, table.options())
+
+
+def faulty_operations(
+    scene: FlankMillingScene, cl: CLProgram, cutters: Sequence[Profile], holders: Sequence[Profile | None], text: str
+) -> tuple[Machined, ...] | None:
+    """What the scene's machine does with its program's ``text``, read back, gear frame; None where it has no errors.
+
+    ``cutters``, with their errors, and ``holders`` are those of the CL program's tools.
+    """
+    real, table = scene.faulty(), scene.program
+    if real is None or table is None:
+        return None
+    numbers, frame, off = _numbers(cl), CLAMPED.inverse(), scene.errors.mounting
+    if off is not None:
+        frame = Rigid(off.rotation @ frame.rotation, off.point(frame.translation))
+    reading = ControlTable().settings(table.work_offset, numbers, real.nominal)
+    program = read_program(text, real.nominal, settings=reading)
+    above = {number: body for number, body in zip(numbers, holders, strict=True) if body is not None}
+    return program_operations(
+        program.blocks, dict(zip(numbers, cutters, strict=True)), scene.simulation.compile_tolerance_mm,
+        shift=frame, text=text, headings=program.operations, holders=above, real=real,
+    )  # fmt: skip
+
+
+def operation_of(cl: CLProgram, path: int) -> int:
+    """Which operation of the machine's program, one a tool change, one of the CL program's paths belongs to."""
+    return sum(a.tool != b.tool for a, b in pairwise(cl.paths[: path + 1]))
 
 
 def _numbers(cl: CLProgram) -> list[int]:

@@ -50,7 +50,7 @@ def _gcode(scene: ProgramScene, file: Path) -> ReadFile:
     tolerance = scene.simulation.compile_tolerance_mm
     found = program_operations(
         program.blocks, cutters, tolerance, shift=table.mounting.build(), text=text, headings=program.operations,
-        holders=scene.holders(),
+        holders=scene.holders(), real=scene.faulty(),
     )  # fmt: skip
     if not found:
         listed = ", ".join(f"T{number} M06" for number in sorted(cutters))

@@ -15,6 +15,7 @@ from gearsim.cutters.profile import Profile
 from gearsim.errors import InputError
 from gearsim.geometry.rigid import Rigid
 from gearsim.machines.chain import Machine
+from gearsim.machines.errors import RealMachine
 from gearsim.programs.gcode import ReadSettings
 from gearsim.scene.base import Scene
 from gearsim.scene.bevel import GeneratorTable, Number, ToothTable
@@ -24,6 +25,7 @@ from gearsim.scene.flank_milling import FaceMilledFlankTable, RuledBevelTable
 from gearsim.scene.generated import FaceMilledTable, HeadTable, HypoidTable
 from gearsim.scene.holder import HolderTable, above, above_mill
 from gearsim.scene.kinds import AXIS_TABLE, GCODE
+from gearsim.scene.machine_errors import MachineErrorsTable
 from gearsim.scene.program import ControlTable, OffsetName
 from gearsim.scene.sculptured import NurbsTable
 from gearsim.scene.tables import Count, GridTable, Length, Table
@@ -158,6 +160,7 @@ class ProgramScene(Scene):
     machine: AnyRunMachine | None = None
     toolpath: ProgramPathTable
     control: ControlTable | None = None
+    errors: MachineErrorsTable = MachineErrorsTable()
     metrology: ProgramMetrologyTable
 
     @model_validator(mode="after")
@@ -242,6 +245,16 @@ class ProgramScene(Scene):
     def controller(self) -> Machine | None:
         return None if self.machine is None else self.machine.build()
 
+    def faulty(self) -> RealMachine | None:
+        """The machine with its errors, None where it has none.
+
+        Raises InputError for errors of no machine or axis, and where it runs no G-code.
+        """
+        real = self.errors.real(self.controller())
+        if real is not None and not self.toolpath.is_gcode:
+            raise InputError(f"errors: a machine with errors runs G-code here, not {self.toolpath.file}; remove them")
+        return real
+
     def reading(self) -> ReadSettings | None:
         """How G-code is read; None for CL data. Raises InputError as ``ControlTable.settings`` does."""
         machine, control = self.controller(), self.control or ControlTable()
@@ -251,4 +264,12 @@ class ProgramScene(Scene):
 
     def builders(self) -> tuple[Callable[[], object], ...]:
         shape = self.surface.gear if isinstance(self.surface, CylindricalGearTable) else self.tooth
-        return (self.cutters, self.holders, self.controller, self.reading, self.toolpath.mounting.build, shape)
+        return (
+            self.cutters,
+            self.holders,
+            self.controller,
+            self.faulty,
+            self.reading,
+            self.toolpath.mounting.build,
+            shape,
+        )

@@ -11,10 +11,12 @@ from pydantic import Field, model_validator
 
 from gearsim.cutters.holder import Section
 from gearsim.cutters.profile import Profile
+from gearsim.machines.errors import RealMachine
 from gearsim.scene.base import Scene
 from gearsim.scene.bevel import BevelBlankTable, GeneratorTable, Number, ToothTable, Turn
 from gearsim.scene.catalogue import AnyCutter, AnyMill
 from gearsim.scene.holder import HolderTable, above
+from gearsim.scene.machine_errors import MachineErrorsTable
 from gearsim.scene.program import ProgramTable
 from gearsim.scene.slot_operations import RootTable, RoughingTable, SemiFinishingTable
 from gearsim.scene.tables import Angle, Count, GridTable, Length, LengthOrZero, Table
@@ -142,6 +144,10 @@ def _built(cutter: AnyMill) -> Profile:
     return profile
 
 
+class FlankMillingErrorsTable(MachineErrorsTable, FlankErrorsTable):
+    """Table [errors]: of tool and mounting, and of the machine that runs [program]."""
+
+
 class FlankMillingScene(Scene):
     """A scene that flank-mills a spiral bevel gear."""
 
@@ -153,7 +159,7 @@ class FlankMillingScene(Scene):
     semi_finishing: SemiFinishingTable | None = None
     root: RootTable | None = None
     program: ProgramTable | None = None
-    errors: FlankErrorsTable = FlankErrorsTable()
+    errors: FlankMillingErrorsTable = FlankMillingErrorsTable()
     metrology: MetrologyTable
     reference: ReferenceTable | None = None
 
@@ -206,6 +212,10 @@ class FlankMillingScene(Scene):
         """What stands above the cutter's flutes, where it is given."""
         return above(self.cutter, self.holder, self.nose)
 
+    def faulty(self) -> RealMachine | None:
+        """The machine with its errors, None where it has none. Raises InputError for errors of no machine or axis."""
+        return self.errors.real(None if self.program is None else self.program.controlled(), "[program]")
+
     @property
     def has_holders(self) -> bool:
         """Whether anything is known to stand above a tool."""
@@ -227,4 +237,4 @@ class FlankMillingScene(Scene):
         program = (self.program.controlled, self.program.options) if self.program else ()
         others = [t for t in (self.roughing, self.semi_finishing, self.root) if t is not None]
         tools = (build for table in others for build in (table.cutter, partial(table.held, self.nose)))
-        return (self.tooth, self.real_tool, self.held, *tools, *program)
+        return (self.tooth, self.real_tool, self.held, self.faulty, *tools, *program)

@@ -7,7 +7,7 @@ about them.
 from __future__ import annotations
 
 from math import radians
-from typing import Annotated
+from typing import Annotated, ClassVar
 
 from pydantic import Field
 
@@ -15,7 +15,8 @@ from gearsim.errors import InputError
 from gearsim.machines.chain import Machine
 from gearsim.machines.errors import Growth, MachineErrors, RealMachine, RotaryErrors, SlideErrors, Squareness
 from gearsim.scene.bevel import Number, Turn
-from gearsim.scene.tables import Length, Table
+from gearsim.scene.error_table import ErrorTable
+from gearsim.scene.tables import Length
 
 Small = Annotated[float, Field(ge=-1e4, le=1e4, allow_inf_nan=False)]  # um, urad, um/m, urad/m, urad/rad
 Play = Annotated[float, Field(ge=0.0, le=1e4, allow_inf_nan=False)]
@@ -23,8 +24,10 @@ Kelvin = Annotated[float, Field(ge=-200.0, le=200.0, allow_inf_nan=False)]
 _MICRO, _UM, _PER_M = 1e-6, 1e-3, 1e-3  # 1e-6; mm in a micrometre; per mm of what is per metre
 
 
-class SlideErrorsTable(Table):
+class SlideErrorsTable(ErrorTable):
     """Table [errors.axes.X], Y or Z: a linear axis's six component errors (ISO 230-1) and its backlash."""
+
+    conditions: ClassVar[frozenset[str]] = frozenset({"bow_length_mm", "reference_mm"})
 
     scale_um_m: Small = 0.0
     bow_x_um: Small = 0.0
@@ -53,8 +56,10 @@ class SlideErrorsTable(Table):
         )
 
 
-class RotaryErrorsTable(Table):
+class RotaryErrorsTable(ErrorTable):
     """Table [errors.axes.A], B, C or D: a rotary axis's location errors (ISO 230-7), how far it turns, its backlash."""
+
+    conditions: ClassVar[frozenset[str]] = frozenset({"once_per_turn_phase_deg"})
 
     offset_x_um: Small = 0.0
     offset_y_um: Small = 0.0
@@ -80,7 +85,7 @@ class RotaryErrorsTable(Table):
         )
 
 
-class AxesErrorsTable(Table):
+class AxesErrorsTable(ErrorTable):
     """Table [errors.axes]: a table an axis, by its name."""
 
     X: SlideErrorsTable = SlideErrorsTable()
@@ -92,7 +97,7 @@ class AxesErrorsTable(Table):
     D: RotaryErrorsTable = RotaryErrorsTable()
 
 
-class SquarenessTable(Table):
+class SquarenessTable(ErrorTable):
     """Table [errors.squareness]: of Y to X about Z, of Z to Y about X, of Z to X about Y."""
 
     c0y_urad: Small = 0.0
@@ -103,10 +108,12 @@ class SquarenessTable(Table):
         return Squareness(_MICRO * self.c0y_urad, _MICRO * self.a0z_urad, _MICRO * self.b0z_urad)
 
 
-class ThermalTable(Table):
+class ThermalTable(ErrorTable):
     """Table [errors.thermal]: the spindle's growth, to ``spindle_um`` with the time constant ``spindle_minutes`` and
     by ``spindle_um_min`` besides; how much warmer the linear axes' scales are than the workpiece, ``scales_k``.
     """
+
+    conditions: ClassVar[frozenset[str]] = frozenset({"spindle_minutes", "expansion_um_m_k"})
 
     spindle_um: Small = 0.0
     spindle_minutes: Length = 30.0
@@ -123,7 +130,7 @@ class ThermalTable(Table):
         return Growth(_UM * self.spindle_um, self.spindle_minutes, _UM * self.spindle_um_min)
 
 
-class MachineErrorsTable(Table):
+class MachineErrorsTable(ErrorTable):
     """Tables [errors.axes], [errors.squareness] and [errors.thermal]; zero is no error."""
 
     axes: AxesErrorsTable = AxesErrorsTable()
@@ -140,9 +147,18 @@ class MachineErrorsTable(Table):
             self.thermal.growth(),
         )
 
-    def real(self, machine: Machine) -> RealMachine | None:
-        """The machine with these errors, None where all are zero. Raises InputError for axes that it has not."""
+    def real(self, machine: Machine | None, missing: str = "[machine]") -> RealMachine | None:
+        """The machine with these errors, None where all are zero.
+
+        Raises InputError for axes that it has not, and for errors where table ``missing`` gives no machine.
+        """
+        errors = self.of_axes()
+        if machine is None and errors.act:
+            raise InputError(
+                f"errors: axes, squareness and thermal are a machine's that runs a program; give {missing}, or remove "
+                "them"
+            )
         try:
-            return self.of_axes().real(machine)
+            return None if machine is None else errors.real(machine)
         except InputError as error:
             raise InputError(f"errors: {error}") from None

@@ -19,8 +19,8 @@ from gearsim.geometry.rigid import Rigid
 from gearsim.machines.generator import CradleGenerator
 from gearsim.scene.bevel import Turn
 from gearsim.scene.catalogue import CatalogueTable
+from gearsim.scene.error_table import ErrorTable
 from gearsim.scene.stock import StockTable
-from gearsim.scene.tables import Table
 from gearsim.surfaces.face_milled import FaceMilledTooth
 
 Off = Annotated[float, Field(ge=-1000.0, le=1000.0, allow_inf_nan=False)]  # um
@@ -28,21 +28,6 @@ Gone = Annotated[float, Field(ge=0.0, le=1000.0, allow_inf_nan=False)]  # um
 Lean = Annotated[float, Field(ge=-5.0, le=5.0, allow_inf_nan=False)]  # deg
 Ratio = Annotated[float, Field(ge=-0.1, le=0.1, allow_inf_nan=False)]
 _MM = 1e-3
-
-
-class ErrorTable(Table):
-    """Errors as numbers, by the names of their keys."""
-
-    def acting(self, above: str = "") -> list[str]:
-        """The errors that are not zero, as text: dotted key and value."""
-        found: list[str] = []
-        for key in type(self).model_fields:
-            value = getattr(self, key)
-            if isinstance(value, ErrorTable):
-                found += value.acting(f"{above}{key}.")
-            elif value:
-                found.append(f"{above}{key} = {value:g}")
-        return found
 
 
 class MountingErrorsTable(ErrorTable):
