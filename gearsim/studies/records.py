@@ -12,8 +12,9 @@ from numpy.typing import NDArray
 
 Value = float | int | str | bool
 _UNITS = {
-    "_mm_min": "mm/min", "_um_m": "um/m", "_urad_m": "urad/m", "_mm": "mm", "_um": "um", "_urad": "urad",
-    "_arcsec": "arcsec", "_deg": "deg", "_rpm": "1/min", "_k": "K",
+    "_um_m_k": "um/(m K)", "_um_min": "um/min", "_mm_min": "mm/min", "_um_m": "um/m", "_urad_m": "urad/m",
+    "_urad_rad": "urad/rad", "_mm": "mm", "_um": "um", "_urad": "urad", "_arcsec": "arcsec", "_deg": "deg",
+    "_rpm": "1/min", "_minutes": "min", "_k": "K",
 }  # fmt: skip
 
 

@@ -13,11 +13,15 @@ import numpy as np
 import pytest
 
 from gearsim.errors import InputError
+from gearsim.machines.catalogue import table_table_bc
 from gearsim.motion.program import ProgramMotion
 from gearsim.processes import cylindrical
 from gearsim.processes.gear_budget import disturbed_operations
 from gearsim.scene import load_scene
 from gearsim.scene.cylindrical import ErrorsTable
+from gearsim.scene.error_table import ErrorTable
+from gearsim.scene.machine_errors import MachineErrorsTable
+from gearsim.studies.records import Parameter
 from gearsim.surfaces.cylindrical_gear import SIDES
 from tests.processes import test_gear_cutting
 from tests.processes.test_gear_cutting import Work, one_space, traces
@@ -162,3 +166,25 @@ def test_tables_are_in_micrometres_and_say_which_axes_there_are():
     ):
         with pytest.raises(InputError, match=told):
             load_scene("spur-external", [key])
+
+
+def keys(table, above="errors"):
+    """The dotted keys of a table's numbers."""
+    for name in type(table).model_fields:
+        value = getattr(table, name)
+        yield from keys(value, f"{above}.{name}") if isinstance(value, ErrorTable) else [f"{above}.{name}"]
+
+
+def test_every_key_names_its_unit_and_acts_alone():
+    """Alone it is told in the notes, and the machine is another one; but for lengths and phases of other errors."""
+    machine, conditions = table_table_bc(), ("bow_length_mm", "reference_mm", "phase_deg", "minutes", "m_k")
+    for key in keys(MachineErrorsTable()):
+        assert Parameter(key, ()).unit != "1"
+        tables = 2.0
+        for name in reversed(key.split(".")[1:]):
+            tables = {name: (2.0, 2.0, 2.0) if name == "reference_mm" else tables}
+        table = MachineErrorsTable.model_validate(tables)
+        acts = not key.endswith(conditions)
+        assert table.acting() == [f"{key.removeprefix('errors.')} = 2"] * acts
+        if ".A." not in key and ".D." not in key:
+            assert (table.real(machine) is not None) == acts
