@@ -60,6 +60,7 @@ def _run(options: argparse.Namespace) -> int:
         return _dry_run(scene, folder, options.device)
     from gearsim.output.files import CHECKPOINTS, into, staged
     from gearsim.output.painting import Painters
+    from gearsim.output.presenters import promised
     from gearsim.output.screen import ScreenProgress, print_result
     from gearsim.output.wanted import Wanted
     from gearsim.output.write import refuse_unknown, write_result
@@ -73,6 +74,7 @@ def _run(options: argparse.Namespace) -> int:
         started = perf_counter()
         job = plan(scene, folder)
         refuse_unknown(job, wanted)
+        painters.expect(promised(job))
         planned_s = perf_counter() - started
         kept = out / CHECKPOINTS
         result = run_job(job, device=options.device, progress=progress, planned_s=planned_s, checkpoints=kept)

@@ -15,7 +15,7 @@ import pickle
 import re
 import subprocess
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -24,21 +24,23 @@ from gearsim.output.wanted import EVERYTHING, Wanted
 if TYPE_CHECKING:
     from gearsim.result import Result
 
-KINDS = ("flat", "solid")
+SOLID = "solid"
+KINDS = ("flat", SOLID)
 _DISK = 100  # and the number of the error: the exit code of a drawing process that the disk refused
 _DISK_ERRORS = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EIO)
 _REMEDY = "They need OpenGL without a screen; on Debian or Ubuntu: apt-get install libegl1 libgl1-mesa-dri"
 
 
 class Painters:
-    """The drawing processes, started at once and waiting for a result; use as a context to be sure they end.
+    """The drawing processes, started ahead and waiting for a result; use as a context to be sure they end.
 
-    Those that have nothing to do for what is ``wanted`` are not started.
+    Those that have nothing to do for what is ``wanted`` are not started, the 3D one not before what may come is known.
     """
 
     def __init__(self, wanted: Wanted = EVERYTHING) -> None:
         self.wanted = wanted
-        self._processes = {kind: _start(kind) for kind in kinds(wanted)}
+        self._kinds = kinds(wanted)
+        self._processes = {kind: _start(kind) for kind in self._kinds if kind != SOLID}
         self._folder: Path | None = None
 
     def __enter__(self) -> Painters:
@@ -50,8 +52,20 @@ class Painters:
                 process.kill()
             process.communicate()
 
+    def expect(self, files: Sequence[str]) -> None:
+        """Start the 3D process, if it was not, where any of the ``files`` that may come is its work."""
+        from gearsim.output.drawer import PICTURES
+        from gearsim.output.files import MESHES, PART
+
+        solid = {MESHES, PART, *(p.file for p in PICTURES)}
+        if SOLID in self._kinds and SOLID not in self._processes and solid.intersection(files):
+            self._processes[SOLID] = _start(SOLID)
+
     def draw(self, result: Result, folder: Path) -> None:
         """Start drawing a result into a folder."""
+        from gearsim.output.presenters import promised
+
+        self.expect(promised(result.job))
         self._folder = folder
         for kind, process in self._processes.items():
             drawn = _drawn(kind, result)

@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from gearsim.output.columns import Column, about
 from gearsim.output.exr import stated
@@ -31,7 +32,7 @@ def write_table(tables: list[dict[str, Column]], notes: Mapping[str, str], file:
     import pyarrow.parquet as pq
 
     names = list(dict.fromkeys(name for table in tables for name in table))
-    parts = [pa.table({name: _values(table[name]) for name in names if name in table}) for table in tables]
+    parts = [pa.Table.from_pydict({k: _values(table[k]) for k in names if k in table}) for table in tables]
     whole = pa.concat_tables(parts, promote_options="default").select(names)
     told = {name: about(name, _together([table for table in tables if name in table], name)) for name in names}
     notes = {**notes, "columns": json.dumps(told, ensure_ascii=False)}
@@ -53,10 +54,23 @@ def _texts(told: dict[str, Any]) -> dict[str, str]:
 
 
 def _values(column: Column) -> Any:
+    """A column as Arrow keeps it. Made of its buffers: ``pyarrow.array`` loads pandas wherever that is installed."""
     import pyarrow as pa
 
     values = np.ma.getdata(column.values).ravel()
-    none = np.ma.getmaskarray(column.values).ravel()
+    there = ~np.ma.getmaskarray(column.values).ravel()
     if values.dtype.kind == "f":
-        none = none | ~np.isfinite(values)
-    return pa.array(values, mask=none)
+        there = there & np.isfinite(values)
+    valid = None if there.all() else _bits(there)
+    if values.dtype.kind in "UO":  # words
+        words = [word.encode() for word in np.where(there, values, "").tolist()]
+        ends = np.cumsum([0, *map(len, words)], dtype=np.int32)
+        return pa.StringArray.from_buffers(len(words), pa.py_buffer(ends), pa.py_buffer(b"".join(words)), valid)
+    data = _bits(values) if values.dtype.kind == "b" else pa.py_buffer(np.ascontiguousarray(values))
+    return pa.Array.from_buffers(pa.from_numpy_dtype(values.dtype), len(values), [valid, data])
+
+
+def _bits(values: NDArray[np.bool_]) -> Any:
+    import pyarrow as pa
+
+    return pa.py_buffer(np.packbits(values, bitorder="little"))

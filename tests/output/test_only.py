@@ -121,6 +121,14 @@ def test_drawing_processes_start_where_a_picture_is_wanted(wanted, needed):
     assert kinds(wanted) == needed
 
 
+def test_the_3d_process_starts_where_it_may_have_something_to_draw():
+    with Painters() as painters:
+        painters.expect(["curvature.png", "report.html"])
+        assert list(painters._processes) == ["flat"]
+        painters.expect(["deviation.png", "tooth.png"])
+        assert list(painters._processes) == ["flat", "solid"]
+
+
 def test_the_command_takes_names_with_commas(tmp_path, capsys, monkeypatch):
     settings = [a for s in (*SMALL, "metrology.convergence=[]") for a in ("--set", s)]
     command = ["run", "spiral-bevel-flank", "--out", str(tmp_path), *settings]
