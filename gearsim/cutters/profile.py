@@ -7,6 +7,7 @@ origin at the tip, +z away from it. Lengths in mm.
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import pairwise
@@ -22,6 +23,7 @@ from gearsim.geometry.grazing import MeridianPoints
 __all__ = ["Element", "Profile"]
 
 _ON_AXIS = 1e-9
+_Pair = tuple[NDArray, NDArray]
 
 
 @dataclass(frozen=True)
@@ -156,26 +158,35 @@ class Profile:
         sharp edge, seen from outside, the gradient points from the edge; at a reentrant one, from inside, to it.
         """
         r, z = np.broadcast_arrays(np.asarray(r, dtype=float), np.asarray(z, dtype=float))
-        best, square = np.full(r.shape, np.inf), np.zeros(r.shape)
         distance, nr, nz = np.empty(r.shape), np.empty(r.shape), np.empty(r.shape)
-        for e in self.elements:
-            pr, pz, mr, mz = e.nearest(r, z)
-            dr, dz = r - pr, z - pz
-            gap, along = np.sqrt(dr * dr + dz * dz), dr * mr + dz * mz
-            tie = 1e-12 * (1.0 + gap)
-            take = (gap < best - tie) | ((gap <= best + tie) & (np.abs(along) > square))
-            best[take], square[take] = gap[take], np.abs(along[take])
-            side = np.where(along[take] > 0.0, 1.0, -1.0)
-            distance[take] = side * gap[take]
-            apart = gap[take] > 1e-9
-            scale = side / np.where(apart, gap[take], 1.0)
+        for take, signed, (dr, dz), (mr, mz) in self._nearer(r, z):
+            distance[take] = signed[take]
+            gap = np.abs(signed[take])
+            apart = gap > 1e-9
+            scale = np.copysign(1.0, signed[take]) / np.where(apart, gap, 1.0)
             nr[take] = np.where(apart, dr[take] * scale, mr[take])
             nz[take] = np.where(apart, dz[take] * scale, mz[take])
         return distance, nr, nz
 
+    def _nearer(self, r: NDArray, z: NDArray) -> Iterator[tuple[NDArray, NDArray, _Pair, _Pair]]:
+        """Element by element: whose points it is nearest to so far, its distance, the way from its foot, its normal."""
+        best, square = np.full(r.shape, np.inf), np.zeros(r.shape)
+        for e in self.elements:
+            pr, pz, mr, mz = e.nearest(r, z)
+            dr, dz = r - pr, z - pz
+            gap, along = np.sqrt(dr * dr + dz * dz), dr * mr + dz * mz
+            tie, squarely = 1e-12 * (1.0 + gap), np.abs(along)
+            take = (gap < best - tie) | ((gap <= best + tie) & (squarely > square))
+            best, square = np.where(take, gap, best), np.where(take, squarely, square)
+            yield take, np.where(along > 0.0, gap, -gap), (dr, dz), (mr, mz)
+
     def signed_distance(self, r: NDArray, z: NDArray) -> NDArray:
         """Signed distance [mm] of points (r >= 0, z), any shape, to the tool: negative inside."""
-        return self.distance_gradient(r, z)[0]
+        r, z = np.broadcast_arrays(np.asarray(r, dtype=float), np.asarray(z, dtype=float))
+        distance = np.empty(r.shape)
+        for take, signed, *_ in self._nearer(r, z):
+            distance = np.where(take, signed, distance)
+        return distance
 
 
 def _rise(e: Element, s: float) -> float:

@@ -23,6 +23,8 @@ from gearsim.surfaces.nurbs import NurbsSurface
 from gearsim.toolpaths.sculptured import SculpturedPath
 
 _STEPS = 48
+_PLANES = 13  # about a tool
+_SURE = 1e-6  # mm, more than rounding
 
 
 class Cause(IntEnum):
@@ -88,6 +90,31 @@ def tool_distance(cutter: Profile, tip: NDArray, point: NDArray) -> NDArray:
     """Signed distance [mm] of points to the tool with its tip at ``tip`` and its axis +z, by broadcasting."""
     away = point - tip
     return cutter.signed_distance(np.hypot(away[..., 0], away[..., 1]), away[..., 2])
+
+
+def nearest_moves(cutter: Profile, start: NDArray, end: NDArray, point: NDArray) -> tuple[NDArray, NDArray]:
+    """Pairs of points (n, 3) and straight moves (m, 3) that may come nearest to them: no other pair can be nearer."""
+    length = np.linalg.norm(end - start, axis=1)
+    bound = _bound(cutter, start, point[:, None])
+    closest = tool_distance(cutter, start[np.argmin(bound, axis=1)], point)
+    at, move = np.nonzero(bound - length <= closest[:, None] + _SURE)
+    distance, least = tool_distance(cutter, start[move], point[at]), np.full(len(point), np.inf)
+    np.minimum.at(least, at, distance)
+    may = distance - length[move] <= least[at] + 1e-9
+    return at[may], move[may]
+
+
+def _bound(cutter: Profile, tip: NDArray, point: NDArray) -> NDArray:
+    """What the tool's signed distance [mm] is not below, as `tool_distance`: that of planes which it does not cross."""
+    away = point - tip
+    r, z = np.hypot(away[..., 0], away[..., 1]), away[..., 2]
+    least = np.full(r.shape, -np.inf)
+    for angle in np.linspace(-0.5 * np.pi, 0.5 * np.pi, _PLANES):
+        nr, nz = np.cos(angle), np.sin(angle)
+        ends = [nr * e.centre[0] + nz * e.centre[1] + e.radius if e.is_arc else
+                max(nr * p[0] + nz * p[1] for p in (e.start, e.end)) for e in cutter.elements]  # fmt: skip
+        np.maximum(least, nr * r + nz * z - max(ends), out=least)
+    return least
 
 
 def straight_distance(cutter: Profile, start: NDArray, end: NDArray, point: NDArray) -> NDArray:

@@ -16,9 +16,9 @@ from gearsim.gouging.attribution import (
     Attribution,
     Cause,
     attribute,
+    nearest_moves,
     segment_ends,
     straight_distance,
-    tool_distance,
 )
 from gearsim.gouging.prediction import Prediction, predict, predict_path
 from gearsim.gouging.rings import RingResult, read_rings, rings
@@ -216,9 +216,7 @@ def _check(
     points = rays.origin[chosen] + deviation.value[chosen, None] * rays.direction[chosen]
     ends = segment_ends(path, table)
     start, end = path.touches.tip[ends[:, 0]], path.touches.tip[ends[:, 1]]
-    at_start = tool_distance(cutter, start, points[:, None])
-    least = at_start.min(axis=1, keepdims=True)
-    point, move = np.nonzero(at_start - np.linalg.norm(end - start, axis=1) <= least + 1e-9)  # no other can be nearer
+    point, move = nearest_moves(cutter, start, end, points)
     distance = straight_distance(cutter, start[move], end[move], points[point])
     nearest = np.full(len(points), np.inf)
     np.minimum.at(nearest, point, distance)

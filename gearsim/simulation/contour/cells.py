@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gearsim.simulation.contour.crossings import Crossings
-from gearsim.simulation.contour.sheets import COUNT, DIFFERS, SHEET, TWICE
+from gearsim.simulation.contour.sheets import sheet_tables
 
 # The four cells around an edge, right-handed about its axis: their steps along the next axis and the one after,
 # and the edge's place in them.
@@ -36,6 +36,7 @@ class Quads:
 
 def quads(crossings: Sequence[Crossings], shape: tuple[int, int, int]) -> Quads:
     """Quads around edges of a lattice of ``shape`` cells; an index below 0 is that of the last cell."""
+    tables = sheet_tables()
     around = np.concatenate([_around(c, shape) for c in crossings])
     edge = np.concatenate([np.tile(4 * c.axis + _PLACES, (len(c), 1)) for c in crossings]).ravel()
     leaves = np.concatenate([c.leaves for c in crossings])
@@ -44,15 +45,16 @@ def quads(crossings: Sequence[Crossings], shape: tuple[int, int, int]) -> Quads:
     bits = (1 << edge).astype(np.int16)
     crossed = np.bitwise_or.reduceat(bits[order], first) if len(first) else bits
     one = order[first]
-    case = 2 * crossed.astype(int) + (leaves[one // 4] ^ DIFFERS[crossed, edge[one]])
-    vertex = np.cumsum(COUNT[case], dtype=int) - COUNT[case]
+    case = 2 * crossed.astype(int) + (leaves[one // 4] ^ tables.differs[crossed, edge[one]])
+    sheets = tables.number[case]
+    vertex = np.cumsum(sheets, dtype=int) - sheets
     corners = np.empty(len(order), dtype=int)
     corners[order] = np.repeat(vertex, count)
     cases = np.empty(len(order), dtype=np.int16)
     cases[order] = np.repeat(case, count)
-    corners += SHEET[cases, edge]
-    double, arc = _double(crossings, around, TWICE[cases].reshape(-1, 4))
-    return Quads(corners.reshape(-1, 4), np.repeat(cells, COUNT[case]), cells, double, arc)
+    corners += tables.sheet[cases, edge]
+    double, arc = _double(crossings, around, tables.twice[cases].reshape(-1, 4))
+    return Quads(corners.reshape(-1, 4), np.repeat(cells, sheets), cells, double, arc)
 
 
 def _around(crossings: Crossings, shape: tuple[int, int, int]) -> NDArray:

@@ -10,6 +10,9 @@ at q along the one after.
 
 from __future__ import annotations
 
+from functools import cache
+from typing import NamedTuple
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -50,7 +53,21 @@ def _sheets(solid: NDArray) -> tuple[NDArray, int]:
     return sheet, sum(1 << f for f, yes in enumerate(twice) if yes)
 
 
-def _tables() -> tuple[NDArray, NDArray, NDArray, NDArray]:
+class Sheets(NamedTuple):
+    """By 2 x (crossed edges as bits) + (corner 0 is material): each edge's ``sheet``, their ``number``, and as bits the
+    faces on which one sheet has two arcs, ``twice``. By crossed edges: whether each's lower corner ``differs`` from
+    corner 0.
+    """
+
+    sheet: NDArray
+    number: NDArray
+    twice: NDArray
+    differs: NDArray
+
+
+@cache
+def sheet_tables() -> Sheets:
+    """Made once, when the first surface is asked for."""
     sheet, count = np.full((8192, 12), -1, dtype=np.int8), np.zeros(8192, dtype=np.int8)
     twice, differs = np.zeros(8192, dtype=np.uint8), np.zeros((4096, 12), dtype=bool)
     for state in range(256):
@@ -60,9 +77,4 @@ def _tables() -> tuple[NDArray, NDArray, NDArray, NDArray]:
         sheet[case], twice[case] = _sheets(solid)
         count[case] = sheet[case].max() + 1
         differs[crossed] = solid[LOWER] != solid[0]
-    return sheet, count, twice, differs
-
-
-# By 2 x (crossed edges as bits) + (corner 0 is material): the sheet of each edge; how many there are; faces on which
-# one sheet has two arcs, as bits. By crossed edges: whether the lower corner of each differs from corner 0.
-SHEET, COUNT, TWICE, DIFFERS = _tables()
+    return Sheets(sheet, count, twice, differs)
