@@ -3,11 +3,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from matplotlib import pyplot
+from scipy.ndimage import gaussian_filter
 
 from gearsim.metrology.grid import DENSE
 from gearsim.output.charts import draw_grids, sorted_out
 from gearsim.output.contours import draw_contours, place_labels
-from gearsim.output.heat import draw_heat, is_perfect, shared_limits, span
+from gearsim.output.heat import averaged, draw_heat, is_perfect, shared_limits, span
 from gearsim.output.saving import Save
 from gearsim.surfaces.involute import InvoluteFlank
 from gearsim.surfaces.part import Tolerance
@@ -161,3 +162,11 @@ def test_no_text_lies_over_another(result, texts, tmp_path):
 )
 def test_ranges_have_the_digits_that_matter(values, text):
     assert span(np.array(values)) == text
+
+
+@pytest.mark.parametrize("shape", [(121, 81), (3, 5), (1, 9)])
+def test_maps_are_averaged_as_by_scipy(shape):
+    values = np.random.default_rng(1).normal(size=shape)
+    values[shape[0] // 2, 0] = np.nan
+    wanted = gaussian_filter(values, (shape[0] / 80.0, shape[1] / 40.0), mode="nearest")
+    np.testing.assert_allclose(averaged(values), wanted, rtol=0.0, atol=1e-14)
