@@ -17,10 +17,11 @@ from gearsim.metrology.other_spaces import SpacesInspection
 from gearsim.metrology.program_times import ProgramInspection
 from gearsim.metrology.rapid_check import RapidInspection
 from gearsim.metrology.tooth_check import ToothInspection
+from gearsim.processes.any_part import part_of
 from gearsim.processes.claims import Claim, head_claims
 from gearsim.processes.errors import error_notes
 from gearsim.processes.generating import generating
-from gearsim.processes.parts import Limits, held, part_of
+from gearsim.processes.parts import Limits, held
 from gearsim.processes.read_file import ReadFile, read_file
 from gearsim.processes.settings import settings
 from gearsim.scene import scene_table

@@ -9,7 +9,7 @@ from typing import Any
 from gearsim.errors import is_file
 from gearsim.scene.base import Scene
 from gearsim.scene.built_in import built_in, scene_text
-from gearsim.scene.loading import load_scene, scene_table
+from gearsim.scene.loading import scene_of, scene_table
 
 _GEOMETRY = ("surface", "cutter", "larger", "printed", "tools", "holder")
 _PLACES = "profile_offsets_mm"
@@ -63,12 +63,21 @@ def without_reference(text: str) -> str:
 def _bearers(given: dict[str, Any], whole: dict[str, Any]) -> dict[str, dict[str, Any]]:
     """The built-in scenes that quote a print, as plain tables: that of the same name alone where it is the scene."""
     name = whole["scene"]["name"]
-    if name in built_in() and (table := scene_table(load_scene(name)[0])) == whole:
+    if name in built_in() and (table := _whole(name, _tables(name))) == whole:
         return {name: table}
-    texts = {name: scene_text(name)[0] for name in built_in()}
-    names = [name for name, text in texts.items() if _same(given, tomllib.loads(text).get("reference"))]
-    quoting = {name: scene_table(load_scene(name)[0]) for name in names}
+    tables = {name: _tables(name) for name in built_in()}
+    quoting = {name: _whole(name, own) for name, own in tables.items() if _same(given, own.get("reference"))}
     return {name: table for name, table in quoting.items() if table["reference"] == given} or quoting
+
+
+def _tables(name: str) -> dict[str, Any]:
+    """A built-in scene as it stands in its file."""
+    return tomllib.loads(scene_text(name)[0])
+
+
+def _whole(name: str, tables: dict[str, Any]) -> dict[str, Any]:
+    """The same with its defaults, no geometry built: the tests build that of every built-in scene."""
+    return scene_table(scene_of(tables, name))
 
 
 def _same(given: dict[str, Any], other: dict[str, Any] | None) -> bool:
