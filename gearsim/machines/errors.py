@@ -34,13 +34,12 @@ _GROWTH = "spindle growth"
 class SlideErrors:
     """Six component errors of a linear axis at q from its zero, and its backlash.
 
-    | error | meaning |
-    | --- | --- |
-    | scale | it goes (1 + scale) q |
-    | bow [mm] | straightness, and along the axis itself its position: -4 (q / bow_length)² bow, a parabola whose middle stands off the chord of any stretch of ``bow_length`` [mm] by the bow |
-    | turn [rad/mm] | roll, pitch and yaw: the carriage is turned by the vector turn q, about ``reference`` [mm], a point of the carriage given in the machine frame with all axes at zero |
-    | backlash [mm] | what the axis stands farther on than commanded after a way in its negative direction |
-    """  # noqa: E501
+    It goes (1 + ``scale``) q. ``bow`` [mm] shifts it by -4 (q / bow_length)² bow, along itself (position) or across
+    (straightness): a parabola whose middle stands off the chord of any stretch of ``bow_length`` [mm] by the bow.
+    ``turn`` [rad/mm] are roll, pitch and yaw: the carriage is turned by the vector turn q about ``reference`` [mm], a
+    point of it given in the machine frame with all axes at zero. ``backlash`` [mm]: so much farther on than commanded
+    does it stand after a way in its negative direction.
+    """
 
     scale: float = 0.0
     bow: Vector = _NONE

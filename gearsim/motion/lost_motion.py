@@ -36,8 +36,8 @@ def stretches(blocks: Blocks, play: NDArray, chosen: NDArray[np.integer]) -> Str
     """The stretches of the ``chosen`` blocks, for plays (k,) [mm, rad], none of them negative.
 
     The axes start as after a way in the positive direction: nothing lost. The way of a block goes evenly from its
-    start to its end: exact where all axes are linear; under tip control the play is taken up in the right block, evenly
-    over it. Raises InputError for arcs in which an axis with play turns back.
+    start to its end: exact where all axes are linear; under tip control the play is used up in the right block, and an
+    axis that turns back within one is off by at most its play there. Raises InputError for arcs in which one does.
     """
     _check_arcs(blocks, play)
     way = blocks.values - blocks.before

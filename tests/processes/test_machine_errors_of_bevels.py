@@ -100,10 +100,13 @@ def test_the_same_program_in_a_scene_of_its_own_is_cut_alike(tmp_path, nominal, 
         assert np.abs(ours[side] - nothing).max() > 1e-4
 
 
-def test_errors_need_a_machine_that_runs_a_program():
-    given = scene().model_dump(exclude_none=True)
-    tables = {name: table for name, table in given.items() if name != "program"} | {
-        "errors": {"squareness": {"c0y_urad": 1.0}}
-    }
+def test_errors_need_a_machine_that_runs_gcode():
+    given, lean = scene().model_dump(exclude_none=True), {"squareness": {"c0y_urad": 1.0}}
+    tables = {name: table for name, table in given.items() if name != "program"}
     with pytest.raises(InputError, match=r"errors: axes, squareness and thermal are a machine's.*give \[program\]"):
-        check_scene(tables, "own")
+        check_scene(tables | {"errors": lean}, "own")
+    csv = {"kind": "program", "file": "axes.csv"}
+    own = {name: given[name] for name in ("surface", "cutter", "simulation")} | {"scene": {"name": "own"}}
+    own |= {"machine": given["program"]["machine"], "metrology": {"tolerance_um": 5.0}, "toolpath": csv}
+    with pytest.raises(InputError, match=r"errors: a machine with errors runs G-code here, not axes\.csv"):
+        check_scene(own | {"errors": lean}, "own")
