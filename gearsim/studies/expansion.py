@@ -132,7 +132,7 @@ def _solved(design: Floats, y: Floats) -> tuple[Floats, Floats]:
     Not by a QR decomposition: its threads wait for one another at every step where cores are busy.
     """
     inverse = np.linalg.pinv(design.T @ design, rcond=1e-10, hermitian=True)
-    return inverse @ (design.T @ y), inverse
+    return np.asarray(inverse @ (design.T @ y)), np.asarray(inverse, dtype=float)
 
 
 def _indices(fit: _Fit, count: int, squares: Floats, noise: float) -> tuple[Floats, Floats]:
