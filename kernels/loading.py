@@ -3,15 +3,18 @@
 import os
 import re
 import tempfile
+from collections import defaultdict
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
+from threading import Lock
 from types import ModuleType
 
 import warp as wp
 
 from gearsim.errors import InputError
 
+_ONE_AT_A_TIME: defaultdict[str, Lock] = defaultdict(Lock)  # threads would each compile it
 ROOM = 8 << 20  # bytes; the compiled kernels of one module take less than 1 MB
 
 
@@ -24,7 +27,7 @@ def start_warp() -> None:
 def load_kernels(module: ModuleType, device: str) -> None:
     """Compile and load a module's kernels. Raises InputError where what is compiled cannot be kept."""
     start_warp()
-    with _cache():
+    with _ONE_AT_A_TIME[module.__name__], _cache():
         _make_sure_of_room(module)
         wp.load_module(module, device=device)
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from copy import deepcopy
 from time import perf_counter
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -36,15 +36,33 @@ def run_chunk(
 
     A job that cannot be done is an outcome that says why. ``cores``: CPU threads that cut (default: all).
     """
+    return measure_chunk(study, jobs, plan_chunk(study, jobs), device, cores)
+
+
+class PlannedChunk(NamedTuple):
+    """A chunk's jobs, or why there is none, and the seconds that planning them took."""
+
+    jobs: list[Planned | GearsimError]
+    seconds: float
+
+
+def plan_chunk(study: Study, jobs: Sequence[int]) -> PlannedChunk:
+    """Plan some of a study's jobs; nothing is cut."""
     started = perf_counter()
-    prepare(device)
-    both = study.cross_checked()
-    scenes = [_scene(study, job) for job in jobs]
+    both, scenes = study.cross_checked(), [_scene(study, job) for job in jobs]
     planned = _planned(study, scenes, [bool(both[job]) for job in jobs])
-    ready = perf_counter()
-    found = performed(planned, device, cores)
+    return PlannedChunk(planned, perf_counter() - started)
+
+
+def measure_chunk(
+    study: Study, jobs: Sequence[int], planned: PlannedChunk, device: str = "cpu", cores: int | None = None
+) -> tuple[list[Outcome], dict[str, float]]:  # fmt: skip
+    """What comes of jobs that are planned; as ``run_chunk``."""
+    started, both = perf_counter(), study.cross_checked()
+    prepare(device)
+    found = performed(planned.jobs, device, cores)
     outcomes = [_outcome(study, job, done, bool(both[job])) for job, done in zip(jobs, found, strict=True)]
-    return outcomes, {"plan_s": ready - started, "cut_s": perf_counter() - ready}
+    return outcomes, {"plan_s": planned.seconds, "cut_s": perf_counter() - started}
 
 
 def tables_of(study: Study, job: int) -> dict[str, Any]:
