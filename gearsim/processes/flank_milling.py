@@ -27,7 +27,7 @@ from gearsim.motion.sources import CLMotion, MotionSource
 from gearsim.processes.cl_tools import cl_cutters, cl_operations
 from gearsim.processes.claims import Claim, Swept
 from gearsim.processes.errors import error_notes, mounted
-from gearsim.processes.flank_program import faulty_operations, machine_program, operation_of
+from gearsim.processes.flank_program import machine_program, operation_of, run_operations
 from gearsim.processes.parts import Limits, bevel_part, held
 from gearsim.processes.settings import settings
 from gearsim.processes.slot_program import slot_program
@@ -43,8 +43,8 @@ from gearsim.toolpaths.tangent import FlankPass
 THEORY, OWN, PROGRAM, OTHERS, LAST = "theory", "own pass", "program", "other passes", "last operation"
 PROGRAM_FILE = "program.nc"
 _RAPID, _RAPID_LINE = "rapid move {number} of the CL data", "the rapid move of line {line}"
-_FAULTY = (
-    "program is what the machine, with the errors of its axes, does with program.nc as it is written; "
+_RUN = (
+    "program is what the machine, errors of its axes included, does with program.nc as it is written; "
     "the other motions are those of the CL data, without them"
 )
 _CONVENTIONS = {
@@ -80,20 +80,20 @@ def plan(scene: FlankMillingScene, folder: Path) -> Job:
     if scene.program:
         files[PROGRAM_FILE] = machine_program(scene, scene.program, program, cutters)
     real = real_cutters(scene, cutters)
-    faulty = faulty_operations(scene, program, real, holders, files.get(PROGRAM_FILE, ""))
+    run = run_operations(scene, program, real, holders, files.get(PROGRAM_FILE, ""))
     return Job(
         name=scene.name,
         part=part,
-        variants=tuple(_variants(scene, program, planners, real, holders, faulty)),
+        variants=tuple(_variants(scene, program, planners, real, holders, run)),
         main=PROGRAM,
         inspections=(
-            *_inspections(scene, tooth, program, planners, faulty is not None),
+            *_inspections(scene, tooth, program, planners, run is not None),
             *held(PROGRAM, tooth, m.tooth),
         ),
         settings=settings(scene),
         scene=scene_table(scene),
         files=files,
-        notes=(*told, *error_notes(scene.errors), *[_FAULTY] * (faulty is not None)),
+        notes=(*told, *error_notes(scene.errors), *[_RUN] * (run is not None)),
         conventions={"grids": "rows root to tip, columns toe to heel"},
     )
 
@@ -158,12 +158,12 @@ def own_paths(program: CLProgram, side: Side) -> list[int]:
 
 def _variants(
     scene: FlankMillingScene, program: CLProgram, planners: Mapping[Side, FlankPass], cutters: Sequence[Profile],
-    holders: Sequence[Profile | None], faulty: tuple[Operation, ...] | None,
+    holders: Sequence[Profile | None], run: tuple[Operation, ...] | None,
 ) -> Iterator[Variant]:  # fmt: skip
     tolerance, cutter, errors = scene.simulation.compile_tolerance_mm, scene.real_tool(), scene.errors
     sources = [mounted(CLMotion(p.tips, p.axes), errors) for p in program.paths]
     whole = Variant(PROGRAM, _CONVENTIONS[PROGRAM], cl_operations(program, cutters, sources, tolerance, holders))
-    yield whole if faulty is None else Variant(PROGRAM, _FAULTY, faulty)
+    yield whole if run is None else Variant(PROGRAM, _RUN, run)
     for side in SIDES:
         own = own_paths(program, side)
         rest = [i for i in range(len(sources)) if i not in own]
@@ -189,7 +189,7 @@ def _of_points(n: int, side: Side, motion: MotionSource, cutter: Profile, tolera
 
 
 def _inspections(
-    scene: FlankMillingScene, tooth: Tooth, program: CLProgram, planners: Mapping[Side, FlankPass], faulty: bool
+    scene: FlankMillingScene, tooth: Tooth, program: CLProgram, planners: Mapping[Side, FlankPass], run: bool
 ) -> Iterator[Inspection]:
     m = scene.metrology
     box = slot_box(tooth.patches, tooth.blank, scene.simulation.dexel_pitch_mm)
@@ -203,7 +203,7 @@ def _inspections(
             side, (*motions, PROGRAM), motions, m.rows, m.columns, m.margin, m.window, judged=(PROGRAM,),
             strangers="" if alone else OTHERS, series=series,
         )  # fmt: skip
-        if faulty:  # no other motion is the program's, so both roads are asked for what of it finishes the flank
+        if run:  # no other motion is the program's, so both roads are asked for what of it finishes the flank
             grid = replace(
                 grid,
                 variants=(PROGRAM, *motions),
@@ -218,7 +218,7 @@ def _inspections(
         )  # fmt: skip
         height = float(tooth.blank.mid_working_depth_at(tooth.blank.mean))
         yield ProfileInspection(side, motions[0], m.profile_offsets_mm, height, _published(scene.reference, side))
-    yield RapidInspection(PROGRAM, box, _RAPID_LINE if faulty else _RAPID)
+    yield RapidInspection(PROGRAM, box, _RAPID_LINE if run else _RAPID)
     if scene.has_holders:
         yield HolderInspection(PROGRAM, tuple(dense), box)
     root = tuple(p.name for p in tooth.patches if p.part != "flank")

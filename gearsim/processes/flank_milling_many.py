@@ -58,7 +58,7 @@ def plan_many(scenes: Sequence[FlankMillingScene], folder: Path, brief: Brief) -
     halves: dict[int, _Half] = {}
     for i, scene in enumerate(scenes):
         try:
-            if scene.toolpath.file is None and scene.faulty() is None:
+            if scene.toolpath.file is None and not scene.runs_program:
                 halves[i] = _half(scene)
             else:
                 out[i] = Planned(shortened(plan(scene, folder), brief))

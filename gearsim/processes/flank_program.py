@@ -57,21 +57,23 @@ def machine_program(scene: FlankMillingScene, table: ProgramTable, cl: CLProgram
     return write_program(operations, header, table.options())
 
 
-def faulty_operations(
+def run_operations(
     scene: FlankMillingScene, cl: CLProgram, cutters: Sequence[Profile], holders: Sequence[Profile | None], text: str
 ) -> tuple[Machined, ...] | None:
-    """What the scene's machine does with its program's ``text``, read back, gear frame; None where it has no errors.
+    """What the scene's machine does with its program's ``text``, read back, gear frame; None where CL data is judged.
 
     ``cutters``, with their errors, and ``holders`` are those of the CL program's tools.
     """
     real, table = scene.faulty(), scene.program
-    if real is None or table is None:
+    if table is None or not scene.runs_program:
         return None
+    nominal = table.controlled()
     numbers, frame, off = _numbers(cl), CLAMPED.inverse(), scene.errors.mounting
     if off is not None:
         frame = Rigid(off.rotation @ frame.rotation, off.point(frame.translation))
-    reading = ControlTable().settings(table.work_offset, numbers, real.nominal)
-    program = read_program(text, real.nominal, settings=reading)
+    program = read_program(
+        text, nominal, settings=ControlTable().settings(table.work_offset, numbers, nominal)
+    )  # fmt: skip
     above = {number: body for number, body in zip(numbers, holders, strict=True) if body is not None}
     return program_operations(
         program.blocks, dict(zip(numbers, cutters, strict=True)), scene.simulation.compile_tolerance_mm,

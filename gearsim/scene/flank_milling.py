@@ -217,6 +217,11 @@ class FlankMillingScene(Scene):
         return self.errors.real(None if self.program is None else self.program.controlled(), "[program]")
 
     @property
+    def runs_program(self) -> bool:
+        """Whether the machine's program is what is judged, not the CL data. Raises InputError as ``faulty``."""
+        return self.program is not None and (self.program.cut or self.faulty() is not None)
+
+    @property
     def has_holders(self) -> bool:
         """Whether anything is known to stand above a tool."""
         tables = (self.roughing, self.semi_finishing, self.root)

@@ -100,8 +100,13 @@ class ControlTable(Table):
 
 
 class ProgramTable(PostTable):
-    """Table [program]: the machine, its spindle speed and the cutter's flutes, beside how it is written."""
+    """Table [program]: the machine, its spindle speed and the cutter's flutes, beside how it is written.
 
+    ``cut``: what is judged is what the machine does with this program; else, and without errors of the machine, the CL
+    data.
+    """
+
+    cut: bool = False
     machine: AnyRunMachine
     spindle_rpm: Length
     flutes: int = Field(ge=1, le=100)
