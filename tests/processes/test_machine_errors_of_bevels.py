@@ -57,7 +57,7 @@ def test_a_spindle_that_has_grown_leaves_its_growth_times_the_tapers_sine(nomina
     job = plan(scene("errors.thermal.spindle_um=8", "errors.thermal.spindle_minutes=0.00833"))
     acting, note = job.notes
     assert acting.startswith("errors act: thermal.spindle_um = 8;")
-    assert "with the errors of its axes, does with program.nc" in note
+    assert "errors of its axes included, does with program.nc" in note
     found = deviations(job, device)
     (last,) = (o for o in job.variant("program").operations)
     assert exp(-float(np.nansum(last.seconds)) / 2.0 / 0.5) < 1e-4

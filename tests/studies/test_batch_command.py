@@ -14,9 +14,16 @@ from tests.studies.fakes import BAD, RAISES, data, fake_chunk, fake_study
 from tests.sweep.scenes import to_toml
 
 
+def stand_in(monkeypatch, compute):
+    """Let ``compute`` do what planning and measuring a chunk would."""
+    monkeypatch.setattr("gearsim.studies.local.plan_chunk", lambda study, jobs: None)
+    measure = lambda study, jobs, planned, device, cores: compute(study, jobs, device, cores)
+    monkeypatch.setattr("gearsim.studies.local.measure_chunk", measure)
+
+
 @pytest.fixture(autouse=True)
 def _quick_jobs(monkeypatch):
-    monkeypatch.setattr("gearsim.studies.local.run_chunk", fake_chunk)
+    stand_in(monkeypatch, fake_chunk)
 
 
 @pytest.fixture
@@ -54,7 +61,7 @@ def test_what_is_wrong_with_the_machine_is_no_job_s_fault(batch, tmp_path, monke
     def refuse(*_):
         raise error
 
-    monkeypatch.setattr("gearsim.studies.local.run_chunk", refuse)
+    stand_in(monkeypatch, refuse)
     code, _, err = batch(fake_study(6, 3))
     assert (code, err) == (2, f"gearsim: {error}\n")
 
@@ -94,13 +101,13 @@ def test_a_study_that_is_stopped_says_how_to_go_on_and_does(batch, tmp_path, mon
             os.kill(os.getpid(), sent)
         return fake_chunk(study, jobs, *rest)
 
-    monkeypatch.setattr("gearsim.studies.local.run_chunk", stopped)
+    stand_in(monkeypatch, stopped)
     code, _, err = batch(fake_study(20, 4))
     assert code == 130
     assert f"stopped; 8 of 20 jobs are kept in {tmp_path / 'out'}; the same command goes on from there" in err
     assert batch(fake_study(20, 4))[0] == 0
     assert begun == [0, 4, 8, 8, 12, 16]
-    monkeypatch.setattr("gearsim.studies.local.run_chunk", fake_chunk)
+    stand_in(monkeypatch, fake_chunk)
     gearsim.study(fake_study(20, 4), tmp_path / "whole")
     assert data(tmp_path / "out") == data(tmp_path / "whole")
     assert signal.getsignal(signal.SIGTERM) == before
