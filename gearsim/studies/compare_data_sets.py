@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 from collections import Counter
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
 from typing import Any
@@ -199,9 +199,9 @@ def _part(matched: Matched, maps: Sequence[Any], at: int, start: int, surface: s
 
     if at == 0:
         return change_of(f"map of {surface}", values[0].ravel(), values[1].ravel(), where, noise, "um")
-    words = np.array(str(maps[0][1].attrs["flag_meanings"]).split(), dtype=object)
-    met = [words[v.ravel()] for v in values]
-    return change_of(f"crossing of {surface}", met[0], met[1], where, noise, "")
+    found = change_of(f"crossing of {surface}", values[0].ravel(), values[1].ravel(), where, noise, "")
+    words = str(maps[0][1].attrs["flag_meanings"]).split()
+    return found and replace(found, largest=None, a=words[int(found.a)], b=words[int(found.b)])
 
 
 def _joined(parts: Sequence[Change], compared: int) -> list[Change]:

@@ -58,11 +58,13 @@ class ArrayKind:
         """
         import pyarrow as pa
 
-        whole = np.full(self.chunks, self.fill, dtype=self.dtype)
-        whole[: len(values)] = values
-        if np.array_equal(whole, np.full_like(whole, self.fill), equal_nan=whole.dtype.kind == "f"):
+        if (np.isnan(values) if np.isnan(self.fill) else values == self.fill).all():
             return None
-        return bytes(pa.Codec("zstd", compression_level=_LEVEL).compress(whole.tobytes(), asbytes=True))
+        whole = np.ascontiguousarray(values, dtype=self.dtype)
+        if len(values) < self.chunks[0]:
+            whole = np.full(self.chunks, self.fill, dtype=self.dtype)
+            whole[: len(values)] = values
+        return bytes(pa.Codec("zstd", compression_level=_LEVEL).compress(whole, asbytes=True))
 
     def place(self, chunk: int) -> str:
         """The file of a chunk along the first axis, within the group."""

@@ -25,14 +25,14 @@ _FIRST = {"job": (pa.int64(), "number of the job, from 0")}
 KEYS = (*_FIRST, *_FIXED)
 
 
-def table_of(study: Study, outcomes: Sequence[Outcome]) -> pa.Table:
-    """Outcomes as rows: job, parameters, verdict and what goes with it, figures in the order in which they are met.
+def table_of(study: Study, types: Mapping[str, pa.DataType], outcomes: Sequence[Outcome]) -> pa.Table:
+    """Outcomes as rows: job, parameters of these ``types``, verdict and what goes with it, figures as they are met.
 
     What does not exist, or is not finite, is null.
     """
     columns: dict[str, pa.Array] = {"job": pa.array([o.job for o in outcomes], pa.int64())}
     for p in study.parameters:
-        kind = parameter_type(p)
+        kind = types[p.key]
         columns[p.key] = pa.array([as_type(p.values[o.job], kind) for o in outcomes], kind)
     for name, (kind, _) in _FIXED.items():
         columns[name] = pa.array([_said(o, name) for o in outcomes], kind)
@@ -79,6 +79,11 @@ def cast(table: pa.Table, schema: pa.Schema) -> pa.Table:
 def parameter_type(parameter: Parameter) -> pa.DataType:
     """The type of a parameter's column."""
     return widest(_type(v) for v in parameter.values)
+
+
+def parameter_types(study: Study) -> dict[str, pa.DataType]:
+    """The types of all parameters by their keys."""
+    return {p.key: parameter_type(p) for p in study.parameters}
 
 
 def widest(kinds: Iterable[pa.DataType]) -> pa.DataType:

@@ -83,6 +83,12 @@ class Store:
         digests = Digests(self.study)
         return [digests.of(chunk) for chunk in range(self.study.chunks)]
 
+    @cached_property
+    def _types(self) -> dict[str, Any]:
+        from gearsim.studies.rows import parameter_types
+
+        return parameter_types(self.study)
+
     def part(self, chunk: int) -> Path:
         """Where a chunk's rows stand, once it is done."""
         return self.folder / PARTS / f"{chunk:06d}-{self._digests[chunk]}.parquet"
@@ -129,7 +135,7 @@ class Store:
         outcomes = sorted(outcomes, key=lambda o: o.job)
         if [o.job for o in outcomes] != list(self.study.jobs_of(chunk)):
             raise ValueError(f"chunk {chunk} has jobs {self.study.jobs_of(chunk)}, got {[o.job for o in outcomes]}")
-        table = table_of(self.study, outcomes)
+        table = table_of(self.study, self._types, outcomes)
         if self.has(chunk):
             return  # by another worker: a task may run twice at once
         self.open_again()

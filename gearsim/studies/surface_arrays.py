@@ -15,7 +15,7 @@ from gearsim.output.columns import CROSSINGS, key_of_words
 from gearsim.output.exr import SIGN
 from gearsim.output.presenters import slug
 from gearsim.studies.map_files import ArrayKind
-from gearsim.studies.records import Outcome, Study, SurfaceMap
+from gearsim.studies.records import Outcome, Study
 from gearsim.studies.writing import sha256
 
 GRIDS = ("u", "v", "point", "normal")  # what a surface's samples are, apart from what was measured there
@@ -91,12 +91,14 @@ def values_of(field: str, kind: ArrayKind, surface: str, outcomes: Sequence[Outc
 
 def grid_digest(outcomes: Sequence[Outcome], surface: str) -> str:
     """The checksum of where a surface's samples lie; empty where jobs differ in it."""
-    found = {_digest(o.maps[surface]) for o in outcomes if surface in o.maps}
-    return found.pop() if len(found) == 1 else ""
+    first, *others = (o.maps[surface] for o in outcomes if surface in o.maps)
+    if not all(_same(getattr(first, k), getattr(other, k)) for other in others for k in GRIDS):
+        return ""
+    return sha256(b"".join(np.ascontiguousarray(getattr(first, k), dtype="<f8").tobytes() for k in GRIDS))
 
 
-def _digest(one: SurfaceMap) -> str:
-    return sha256(b"".join(np.ascontiguousarray(getattr(one, k), dtype="<f8").tobytes() for k in GRIDS))
+def _same(a: NDArray[np.floating], b: NDArray[np.floating]) -> bool:
+    return a is b or np.array_equal(a, b, equal_nan=True)
 
 
 def shared(kind: ArrayKind) -> ArrayKind:
