@@ -12,6 +12,7 @@ from time import perf_counter
 from typing import Any
 
 import gearsim
+from gearsim.bench.batch import batch
 from gearsim.bench.code import code
 from gearsim.bench.end_to_end import end_to_end
 from gearsim.bench.envelope import envelope
@@ -33,7 +34,7 @@ SIZES = ("small", "large")
 SUITES: dict[str, Suite] = {
     "removal": removal, "envelope": envelope, "end-to-end": end_to_end, "goals": goals, "scaling": scaling,
     "peers": peers, "code": code, "program": program, "gouging": gouging,
-    "scenes": scenes, "stock": stock,
+    "scenes": scenes, "stock": stock, "batch": batch,
 }  # fmt: skip
 
 

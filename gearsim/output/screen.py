@@ -113,4 +113,4 @@ def print_rows(title: str, heads: Sequence[str], rows: Sequence[Sequence[str]], 
 def _figure(x: Any) -> str:
     if isinstance(x, float):
         return f"{x:,.3g}" if abs(x) < 1000.0 else f"{x:,.0f}"
-    return f"{x:,}" if isinstance(x, int) else str(x)
+    return "" if x is None else f"{x:,}" if isinstance(x, int) else str(x)
