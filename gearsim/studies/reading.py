@@ -87,6 +87,8 @@ def _scene_tables(head: StudyHeader, label: str, beside: Path) -> tuple[dict[str
     except InputError as error:
         raise mistaken(label, [f"study.scene: {error}"]) from None
     data = toml_tables(text, f"scene {name}")
+    if any(part.isdecimal() for key in head.fixed for part in key.split(".")):
+        data = with_lists(data, list(head.fixed), plain(scene_table(scene_of(deepcopy(data), name))))
     for key, value in head.fixed.items():
         try:
             put(data, key, value)
