@@ -20,7 +20,7 @@ class JobsBar:
         self._console = Console(stderr=True)
         columns = (SpinnerColumn(), TextColumn("{task.description}"), BarColumn())
         self._bar = Progress(*columns, console=self._console, transient=True, disable=not self._console.is_terminal)
-        self._task = self._bar.add_task("reading the study", total=None)
+        self._task = self._bar.add_task("looking what is kept", total=None)
         self._jobs = self._kept = self._done = self._errors = 0
         self._waiting = ""
         self._began = self._told = monotonic()
