@@ -17,6 +17,7 @@ from tempfile import TemporaryDirectory, TemporaryFile
 from typing import IO
 
 _OPTIONS = ("--nthreads", "1", "--memory-limit", "0", "--no-dashboard", "--host", "127.0.0.1", "--death-timeout", "60")
+_NO_PAGES = {"dashboard": False, "dashboard_address": "127.0.0.1:0"}  # a server of metrics there is all the same
 _Started = list[tuple[subprocess.Popen[bytes], IO[bytes]]]
 
 
@@ -27,7 +28,7 @@ def local_workers(count: int | None) -> Iterator[tuple[str, Callable[[], str]]]:
 
     with ExitStack() as stack:
         scratch = stack.enter_context(TemporaryDirectory(ignore_cleanup_errors=True))
-        cluster = LocalCluster(n_workers=0, dashboard_address=None, silence_logs=CRITICAL)
+        cluster = LocalCluster(n_workers=0, silence_logs=CRITICAL, scheduler_kwargs=_NO_PAGES)
         stack.callback(cluster.close, timeout=2.0)
         started: _Started = []
         stack.callback(_end, started)
