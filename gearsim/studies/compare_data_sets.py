@@ -2,91 +2,20 @@
 
 from __future__ import annotations
 
-import json
 from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from gearsim.errors import InputError
 from gearsim.studies.compare import Change, Comparison, Noise, change_of, ordered
-from gearsim.studies.compare_runs import columns_of
-from gearsim.studies.data_set import JOBS
-from gearsim.studies.store import MANIFEST, MAPS, STUDY
+from gearsim.studies.opened import DataSet
 from gearsim.studies.study_file import differences
 
 _AT_ONCE = 256  # jobs whose maps are held at a time
-
-
-@dataclass(frozen=True)
-class DataSet:
-    """A finished study's folder, read back. Raises InputError where a file is missing or no such."""
-
-    folder: Path
-
-    @cached_property
-    def manifest(self) -> dict[str, Any]:
-        return dict(self._json(MANIFEST))
-
-    @cached_property
-    def told(self) -> dict[str, Any]:
-        """study.json as plain values."""
-        return dict(self._json(STUDY))
-
-    def _json(self, name: str) -> Any:
-        try:
-            return json.loads((self.folder / name).read_bytes())
-        except (OSError, ValueError) as error:
-            raise InputError(f"cannot read {self.folder / name}: {error}") from error
-
-    @cached_property
-    def columns(self) -> dict[str, NDArray[Any]]:
-        """The columns of the jobs' table: numbers with nan where there is none, or objects."""
-        import pyarrow.parquet as pq
-
-        try:
-            return columns_of(pq.read_table(self.folder / JOBS))
-        except (OSError, ValueError) as error:
-            raise InputError(f"cannot read {self.folder / JOBS}: {error}") from error
-
-    @property
-    def keys(self) -> list[str]:
-        """The keys of what is varied."""
-        return [p["key"] for p in self.manifest["parameters"]]
-
-    def values(self, key: str) -> list[Any]:
-        """A scene's key in all jobs, varied or fixed."""
-        if key in self.keys:
-            return list(self.columns[key].tolist())
-        value: Any = self.told["tables"]
-        for part in key.split("."):
-            try:
-                value = value[int(part)] if isinstance(value, list) else value[part]
-            except (KeyError, IndexError, ValueError, TypeError) as error:
-                raise InputError(
-                    f"{key} is varied in one study, but {self.folder / STUDY} does not state it; jobs cannot be matched"
-                ) from error
-        return [value] * len(self.columns["job"])
-
-    @cached_property
-    def maps(self) -> dict[str, tuple[Any, Any]]:
-        """The arrays of deviations and of what was met, by surface; none where no maps were measured."""
-        import zarr
-
-        if not (self.folder / MAPS).is_dir():
-            return {}
-        group: Any = zarr.open_group(self.folder / MAPS, mode="r")
-        found: dict[str, dict[str, Any]] = {}
-        for name, array in group.arrays():
-            for field in ("deviation_um", "crossing"):
-                if "surface" in array.attrs and name.endswith(field):
-                    found.setdefault(str(array.attrs["surface"]), {})[field] = array
-        return {s: (own["deviation_um"], own["crossing"]) for s, own in sorted(found.items())}
 
 
 @dataclass(frozen=True)
@@ -111,8 +40,10 @@ class Matched:
 
 
 def compare_data_sets(a: Path, b: Path, noise: Noise) -> Comparison:
-    """What changed between two data sets, beyond noise."""
+    """What changed between two data sets, beyond noise. Raises InputError where one is not as its manifest says."""
     sets = DataSet(a), DataSet(b)
+    for data in sets:
+        data.verify()
     matched, alone = _match(*sets)
     ours, theirs = (s.columns for s in sets)
     left_out = {"job", *matched.keys}

@@ -15,6 +15,7 @@ from gearsim.errors import InputError, is_file, read_input
 from gearsim.output.columns import unit_of
 from gearsim.output.files import LAST, SAMPLES
 from gearsim.studies.compare import Change, Comparison, Noise, change_of, ordered
+from gearsim.studies.opened import columns_of
 from gearsim.studies.study_file import unequal
 
 _LEFT_OUT = ("scene", "timings_s", "versions", "conventions", "schema_version", "device")
@@ -111,7 +112,7 @@ def _compare_samples(a: Path, b: Path, noise: Noise) -> tuple[int, list[Change |
 
     def where(k: int) -> str:
         surface, row, column = keys[0][mine[k]]
-        return f"{surface}, row {row}, column {column}"
+        return f"{surface}, row {int(row)}, column {int(column)}"
 
     changes = [
         change_of(f"samples: {n}", tables[0][n][mine], tables[1][n][theirs], where, noise, unit_of(n)) for n in names
@@ -130,20 +131,6 @@ def _columns(file: Path) -> dict[str, NDArray[Any]]:
     if not set(_KEYS) <= set(table.column_names):
         raise InputError(f"{file}: expected columns {', '.join(_KEYS)}; another version of gearsim wrote it")
     return columns_of(table)
-
-
-def columns_of(table: Any) -> dict[str, NDArray[Any]]:
-    """A table's columns: numbers as floats, nan where there is none; whatever else as objects."""
-    import pyarrow as pa
-
-    out = {}
-    for name, column in zip(table.column_names, table.columns, strict=True):
-        numbers = pa.types.is_integer(column.type) or pa.types.is_floating(column.type)
-        out[name] = (
-            column.cast(pa.float64()).to_numpy(zero_copy_only=False) if numbers and name not in _KEYS
-            else np.array(column.to_pylist(), dtype=object)
-        )  # fmt: skip
-    return out
 
 
 def _compare_texts(a: Path, b: Path) -> list[Change]:

@@ -168,11 +168,3 @@ def _files(folder: Path) -> dict[str, dict[str, Any]]:
         f.relative_to(folder).as_posix(): {"bytes": f.stat().st_size, "sha256": sha256_of(f)}
         for f in files
     }  # fmt: skip
-
-
-def problems(folder: Path) -> list[str]:
-    """What in a data set is not as its manifest says: files that are gone, or changed."""
-    told = json.loads((folder / MANIFEST).read_bytes())["files"]
-    gone = [name for name in told if not (folder / name).is_file()]
-    changed = [n for n, about in told.items() if n not in gone and sha256_of(folder / n) != about["sha256"]]
-    return [*(f"{name} is gone" for name in gone), *(f"{name} was changed" for name in changed)]

@@ -10,7 +10,7 @@ import zarr
 
 from gearsim.errors import InputError
 from gearsim.metrology.deviation import Crossing
-from gearsim.studies.data_set import problems
+from gearsim.studies.opened import DataSet
 from gearsim.studies.records import Asked, Outcome, Parameter
 from gearsim.studies.store import Store
 from tests.studies.stored import BAD, fill, outcome, study, surface_map
@@ -37,7 +37,7 @@ def test_rerun_resumed_and_in_any_order_it_is_the_same_bit_by_bit(made, tmp_path
     again.finish(exr=True)
     first, second = ((folder / "manifest.json").read_bytes() for folder in (made.folder, out))
     assert first == second
-    assert problems(out) == []
+    DataSet(out).verify()
     again.finish()
     assert (out / "manifest.json").read_bytes() == second
 
@@ -165,7 +165,7 @@ def test_samples_that_lie_elsewhere_in_each_job_stand_once_a_job(tmp_path):
     for job in range(20):
         expected = np.nan if job in BAD else outcome(job, moved=True).maps["convex"].point
         np.testing.assert_array_equal(points[job], np.broadcast_to(expected, (4, 6, 3)))
-    assert problems(tmp_path / "out") == []
+    DataSet(tmp_path / "out").verify()
 
 
 def test_surfaces_of_two_sizes_have_dimensions_of_their_own(tmp_path):
@@ -220,9 +220,13 @@ def test_a_chunk_that_was_changed_is_forgotten_and_computed_again(tmp_path):
     fill(store, (2,))
     store.finish()
     assert file.read_bytes() == good
-    assert problems(tmp_path / "out") == []
+    DataSet(tmp_path / "out").verify()
     (tmp_path / "out/jobs.parquet").write_bytes(b"")
-    assert problems(tmp_path / "out") == ["jobs.parquet was changed"]
+    with pytest.raises(InputError, match=r"not as its manifest.json says: jobs.parquet was changed \(1 of \d+ files\)"):
+        DataSet(tmp_path / "out").verify()
+    file.unlink()
+    with pytest.raises(InputError, match=r"c/2/0/0 is gone \(2 of"):
+        DataSet(tmp_path / "out").verify()
 
 
 def test_a_study_all_of_whose_jobs_fail_is_a_table_of_errors(tmp_path):
