@@ -36,6 +36,7 @@ class Store:
     def __init__(self, folder: Path, study: Study) -> None:
         self.folder, self.study = folder, study
         self._writer = Writer(folder)
+        self._kept: dict[str, tuple[str, Path]] = {}
 
     @classmethod
     def create(cls, folder: Path, study: Study, samples: int | None = None) -> Store:
@@ -182,10 +183,19 @@ class Store:
                 data = kind.chunk_file(values_of(field, kind, surface, outcomes))
                 file = f"{group}/{kind.place(chunk)}"
                 if data is not None:
-                    self._writer.put(self.folder / file, data)
                     files[file] = len(data), sha256(data)
+                    self._keep(kind.name, self.folder / file, data, files[file][1])
         self._remove([file for file in self._all_of(chunk) if file.relative_to(self.folder).as_posix() not in files])
         return {"files": files, "surfaces": surfaces}
+
+    def _keep(self, array: str, file: Path, data: bytes, checksum: str) -> None:
+        """Write a chunk's file; where samples lie is mostly as in the chunk before, and then one file on the disk."""
+        known, before = self._kept.get(array, ("", file))
+        if known == checksum and before != file and is_file(before):
+            self._writer.link(before, file)
+        else:
+            self._writer.put(file, data)
+        self._kept[array] = checksum, file
 
     def _describe(self, kind: ArrayKind, group: Path, surface: str) -> None:
         """Write an array's metadata, or see that what stands there is of the same shape."""

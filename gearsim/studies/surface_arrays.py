@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from gearsim.errors import InputError
 from gearsim.metrology.deviation import Crossing
 from gearsim.output.columns import CROSSINGS, key_of_words
 from gearsim.output.exr import SIGN
@@ -64,7 +65,7 @@ def kinds_of(study: Study, surface: str, shape: tuple[int, int]) -> dict[str, Ar
 def surfaces_of(outcomes: Sequence[Outcome]) -> dict[str, tuple[int, int]]:
     """The surfaces that were measured in any job, with the shape of their maps.
 
-    Raises ValueError where one has several shapes, or fields of other shapes.
+    Raises InputError where one has several shapes, ValueError where its fields do not go together.
     """
     found: dict[str, tuple[int, int]] = {}
     for outcome in outcomes:
@@ -76,7 +77,7 @@ def surfaces_of(outcomes: Sequence[Outcome]) -> dict[str, tuple[int, int]]:
                     got = np.shape(getattr(one, field))
                     raise ValueError(f"{surface}: expected {field} to have shape {expected}, got {got}")
             if found.setdefault(surface, (rows, columns)) != shape:
-                raise ValueError(f"{surface} has maps of {found[surface]} and of {shape}; one array holds one shape")
+                raise InputError(f"{surface} has maps of {found[surface]} and of {shape}; one array holds one shape")
     return found
 
 

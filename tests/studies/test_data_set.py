@@ -189,7 +189,28 @@ def test_a_job_of_another_shape_is_refused_and_says_which(tmp_path):
     })  # fmt: skip
     with pytest.raises(InputError, match=r"convex: expected maps of shape \[4, 6\] as in the other jobs, got \[2, 6\]"):
         store.put(1, [Outcome(k, "pass", maps={"convex": small}) for k in range(6, 12)], {})
+    with pytest.raises(InputError, match=r"convex has maps of \(2, 6\) and of \(4, 6\)"):
+        store.put(
+            1, [Outcome(k, "pass", maps={"convex": small if k < 9 else surface_map(k)}) for k in range(6, 12)], {}
+        )
     assert store.done() == {0}
+
+
+def test_places_that_chunks_share_stand_on_the_disk_once(tmp_path):
+    store = Store.create(tmp_path / "out", study(tmp_path, jobs=12))
+
+    def put(one, chunk):
+        one.put(chunk, [Outcome(k, "pass", maps={"convex": surface_map(k)}) for k in one.study.jobs_of(chunk)], {})
+        return [(tmp_path / f"out/parts/grids/convex_point_mm/c/{k}/0/0/0").stat().st_ino for k in range(chunk + 1)]
+
+    put(store, 0)
+    shared = put(store, 1)
+    assert shared[0] == shared[1]
+    store.forget(1)
+    apart = put(Store.open(tmp_path / "out"), 1)  # by another worker, who has written none before
+    assert apart[0] != apart[1]
+    store.finish()
+    DataSet(tmp_path / "out").verify()
 
 
 def test_every_job_that_has_maps_has_an_exr_file(made):
