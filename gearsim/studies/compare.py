@@ -34,11 +34,12 @@ class Noise:
     relative: float = 1e-9
 
     def exceeded(self, a: NDArray[np.floating], b: NDArray[np.floating], unit: str) -> NDArray[np.bool_]:
-        """Where numbers differ by more than noise, or one of them is nan alone."""
+        """Where numbers differ by more than noise, or one of them is none (nan) or infinite and the other is not so."""
         floor = {"um": self.beyond_um, "mm": 1e-3 * self.beyond_um, "deg": 1e-3 * self.beyond_um}.get(unit, _FLOOR)
         with np.errstate(invalid="ignore"):
             apart = np.abs(b - a) > np.maximum(floor, self.relative * np.maximum(np.abs(a), np.abs(b)))
-        return np.asarray((apart & (a != b)) | (np.isnan(a) != np.isnan(b)))
+        numbers = np.isfinite(a) & np.isfinite(b)
+        return np.where(numbers, apart, (a != b) & ~(np.isnan(a) & np.isnan(b)))
 
 
 @dataclass(frozen=True)
@@ -93,8 +94,9 @@ def _kind(folder: Path) -> str:
         if not is_file(folder / MANIFEST):
             raise InputError(f"{folder}: the study is not finished (no {MANIFEST}); run it again to go on")
         return "study"
-    what = "holds neither" if is_folder(folder) else "is no folder; expected one with"
-    raise InputError(f"{folder} {what} {LAST} of a run {'n' * is_folder(folder)}or {STUDY} of a study")
+    if not is_folder(folder):
+        raise InputError(f"{folder} is no folder; expected a run's, with {LAST}, or a study's, with {STUDY}")
+    raise InputError(f"{folder} holds neither {LAST} of a run nor {STUDY} of a study")
 
 
 def change_of(
@@ -109,10 +111,10 @@ def change_of(
     else:
         a, b = a.astype(float), b.astype(float)
         off = noise.exceeded(a, b, unit)
-        sizes = np.where(off, np.abs(b - a), np.nan)
-        known = np.where(np.isfinite(sizes), sizes, -1.0)
-        k = int(np.argmax(known if (known >= 0.0).any() else off)) if off.size else 0
-        largest = float(b[k] - a[k]) if off.size and known[k] >= 0.0 else None
+        with np.errstate(invalid="ignore"):
+            sizes = np.where(off & np.isfinite(b - a), np.abs(b - a), -1.0)  # where both are numbers
+        k = int(np.argmax(sizes if (sizes >= 0.0).any() else off)) if off.size else 0
+        largest = float(b[k] - a[k]) if off.size and sizes[k] >= 0.0 else None
     if not off.any():
         return None
     return Change(name, unit, len(off), int(off.sum()), largest, where(k), _value(a[k]), _value(b[k]))

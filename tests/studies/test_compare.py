@@ -9,7 +9,7 @@ import pytest
 
 from gearsim.cli import main
 from gearsim.errors import InputError
-from gearsim.studies.compare import Noise, compare
+from gearsim.studies.compare import Noise, change_of, compare
 from gearsim.studies.records import Outcome, Parameter
 from gearsim.studies.store import Store
 from tests.studies.stored import fill, outcome, study
@@ -45,11 +45,25 @@ def names(found):
 
 
 def test_noise_is_at_most_so_much_or_that_share():
-    a = np.array([0.0, 100.0, 1e6, np.nan, np.nan, 0.0, np.inf])
-    b = np.array([1e-6, 100.0 + 1.1e-6, 1e6 + 5e-4, np.nan, 0.0, 0.0, np.inf])
-    assert Noise().exceeded(a, b, "um").tolist() == [False, True, False, False, True, False, False]
+    a = np.array([0.0, 100.0, 1e6, np.nan, 0.0, np.inf])
+    b = np.array([1e-6, 100.0 + 1e-6 - 1e-10, 1e6 + 5e-4, np.nan, 0.0, np.inf])
+    assert not Noise().exceeded(a, b, "um").any()
+    a = np.array([0.0, 100.0, 1e6, np.nan, np.inf, np.inf, np.nan])
+    b = np.array([1.1e-6, 100.0 + 1.1e-6, 1e6 + 2e-3, 0.0, 1.0, -np.inf, np.inf])
+    assert Noise().exceeded(a, b, "um").all()
+    assert Noise().exceeded(b, a, "um").all()
     assert Noise(1.0).exceeded(np.array([0.0, 0.0]), np.array([1e-3, 1.1e-3]), "mm").tolist() == [False, True]
     assert Noise(0.0, 0.0).exceeded(np.array([1.0]), np.array([np.nextafter(1.0, 2.0)]), "um").all()
+
+
+def test_the_largest_change_is_among_those_of_two_numbers():
+    a, b = np.array([np.inf, np.nan, 1.0, 2.0, np.inf]), np.array([1.0, 2.0, 1.5, 5.0, np.inf])
+    found = change_of("x_um", a, b, str, Noise())
+    assert (found.changed, found.largest, found.where, found.a, found.b) == (4, 3.0, "3", 2.0, 5.0)
+    found = change_of("x_um", a[:2], b[:2], str, Noise())
+    assert (found.changed, found.largest, found.where, found.a, found.b) == (2, None, "0", None, 1.0)
+    assert change_of("x_um", a[:0], b[:0], str, Noise()) is None
+    assert change_of("x", np.array(["a", None], dtype=object), np.array([np.nan, np.nan]), str, Noise()).changed == 1
 
 
 def test_runs_that_differ_by_noise_are_the_same(tmp_path):
@@ -188,7 +202,7 @@ def test_bad_input_is_told(finished, tmp_path, capsys):
     (tmp_path / "going/study.json").write_text("{}")
     for other, message in (
         (finished, "two runs or two studies can be compared"),
-        (Path("nowhere"), "is no folder; expected one with report.json of a run or study.json of a study"),
+        (Path("nowhere"), "is no folder; expected a run's, with report.json, or a study's, with study.json"),
         (tmp_path, "holds neither report.json of a run nor study.json of a study"),
         (tmp_path / "going", "the study is not finished (no manifest.json); run it again to go on"),
     ):
