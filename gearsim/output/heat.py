@@ -15,6 +15,7 @@ from gearsim.metrology.samples import SampleGrid
 from gearsim.output.colours import DIVERGING
 from gearsim.output.contours import draw_contours
 from gearsim.surfaces.part import Tolerance
+from gearsim.surfaces.patch import Way
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -45,14 +46,23 @@ def shared_limits(own: Sequence[float], rows: Sequence[int]) -> list[float]:
 def draw_heat(
     axis: Axes, grid: SampleGrid, um: NDArray, what: str, limit: float, tolerance: Tolerance | None
 ) -> None:  # fmt: skip
-    """A map of one surface from -``limit`` to ``limit`` with its range in the title and its scale at the right.
+    """A map of one surface on its grid, as ``draw_map``."""
+    draw_map(axis, grid.patch.ways, (grid.height, grid.length), um, what, limit, tolerance)
 
-    The tolerance is marked on the scale as far as it lies on it. The contours are of the map averaged, most along the
-    face, or a path's steps would fill it.
+
+def draw_map(
+    axis: Axes, ways: tuple[Way, Way], places: tuple[NDArray, NDArray], um: NDArray, what: str, limit: float,
+    tolerance: Tolerance | None,
+) -> None:  # fmt: skip
+    """A map from -``limit`` to ``limit`` with its range in the title and its scale at the right.
+
+    ``ways``: along the surface and up it; ``places``: of rows and columns, as fractions. The tolerance is marked on the
+    scale as far as it lies on it. The contours are of the map averaged, most along the face, or a path's steps would
+    fill it.
     """
-    along, up = grid.patch.ways
+    along, up = ways
     known = um[np.isfinite(um)]
-    x, y = along.at(grid.length), up.at(grid.height)
+    x, y = along.at(places[1]), up.at(places[0])
     paint(axis, x, y, um, limit)
     if tolerance is not None:
         _mark(axis, tolerance, limit)

@@ -21,6 +21,8 @@ td:first-child,th:first-child{text-align:left}
 img{max-width:100%;height:auto}
 h1,h2{border-bottom:1px solid #e1e4e8;padding-bottom:.2rem}
 code{background:#f3f4f6;padding:.1rem .25rem;overflow-wrap:anywhere}
+td code{white-space:nowrap}
+pre{overflow-x:auto}
 @media(max-width:40rem){body{font-size:14px;margin:.6rem auto;padding:0 .6rem}td,th{padding:.2rem .35rem}}
 """
 
@@ -33,7 +35,7 @@ def write_report(text: str, title: str, folder: Path, wanted: Wanted = EVERYTHIN
     if wanted.file("report.md"):
         (folder / "report.md").write_text(text, encoding="utf-8")
     if wanted.file("report.html"):
-        (folder / "report.html").write_text(_html(text, folder, title, view), encoding="utf-8")
+        (folder / "report.html").write_text(as_html(text, folder, title, view), encoding="utf-8")
 
 
 def verdict(report: dict[str, Any]) -> str:
@@ -117,7 +119,7 @@ def _cell(value: Any) -> str:
     return " ".join(str(value).split("\n")).replace("|", "\\|")
 
 
-def _html(text: str, folder: Path, title: str, view: str) -> str:
+def as_html(text: str, folder: Path, title: str, view: str = "") -> str:
     """The Markdown as one HTML file with pictures and view inside; tags in it, as of a user's names, are mere text."""
     from markdown_it import MarkdownIt
 
