@@ -11,6 +11,7 @@ SAID = {
     "part_of_your_own.py": ("pass {'min':", "the two roads agree to"),
     "what_a_scene_measures.py": ("concave fillet   overcut 5 µm", "own pass", "pass the convex fillet is overcut"),
     "study_of_errors.py": ("as planned", "z + 5 um"),
+    "study_ridge.py": ("job 0 drawn: 5 x 17 samples", "8 unseen jobs: maps predicted to 0.00"),
     "gcode_on_rays.py": ("x =   0.0: cut down to z = -2.000000 mm by line 8: G01 X20.",),
     "tolerances.py": ("theory  ±0.1 µm   pass: OK", "cl      ±0.1 µm   fail: OK", "unchecked: nothing was judged"),
 }

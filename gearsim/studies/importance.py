@@ -118,8 +118,9 @@ def _with_slopes(found: Importance, factors: Sequence[Factor], y: Floats) -> Imp
         found, effects=tuple(replace(e, slope=s, standardised=b) for e, s, b in rows), r2=fit.r2
     )  # fmt: skip
     if fit.r2 < _LINEAR:
-        return _also(found, f"a linear regression does not explain the figure (R² {fit.r2:.2f}): its slopes are "
-                     "averages over a bend or a kink, or there is none")  # fmt: skip
+        r2 = f"R² {max(fit.r2, 0.0):.2f}"
+        return _also(found, f"a linear regression does not explain the figure ({r2}): its slopes are averages over a "
+                     "bend or a kink, or there is none")  # fmt: skip
     return found
 
 

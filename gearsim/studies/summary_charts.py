@@ -14,7 +14,7 @@ from gearsim.output.colours import BAND, EXCESS, FIRST, LINE, OUT, OVERCUT, SECO
 from gearsim.output.panels import Room, page
 from gearsim.output.saving import Save
 from gearsim.studies.importance import Effect, Importance
-from gearsim.studies.summary_figures import Told, label
+from gearsim.studies.summary_figures import Told, label, micro
 
 _BINS = 30
 _PLAIN = "#1b3a5c"
@@ -65,7 +65,8 @@ def draw_iso(told: Told, save: Save, name: str) -> None:
         for (side, values), colour in zip(sides.items(), (FIRST, SECOND), strict=False):
             text = side.rpartition(".")[2].removesuffix("_um")
             axis.hist(values, edges, histtype="step", color=colour, lw=1.6, label=text)
-        _mark_limits(axis, told.frame.limits(f"iso.{parameter}.left_um"))
+        low, high = told.frame.limits(f"iso.{parameter}.left_um")
+        _mark_limits(axis, (low if edges[0] < 0.0 else min(0.0, high), high))
         _dress(axis, parameter, "µm")
         axis.legend(fontsize=7.5, frameon=False, handlelength=1.0, borderpad=0.1)
     for axis in axes.flat[len(found) :]:
@@ -146,7 +147,7 @@ def draw_responses(told: Told, found: Importance, save: Save, name: str, most: i
 
 
 def _unit(key: str, unit: str) -> str:
-    return "" if unit == "1" or key.endswith(f"_{unit}") else f" [{unit}]"
+    return "" if unit == "1" or key.endswith(f"_{unit}") else f" [{micro(unit)}]"
 
 
 def _draw_response(axis: Any, x: NDArray[Any], y: NDArray[Any], beyond: NDArray[np.bool_]) -> None:
@@ -192,7 +193,7 @@ def _mark_limits(axis: Any, limits: tuple[float, float]) -> None:
     seen = [x for x in limits if np.isfinite(x) and abs(x) <= 2.0 * reach]
     if all(np.isfinite(limits)) and len(seen) == 2:
         axis.axvspan(*limits, color=BAND, zorder=0)
-    for x in seen:
+    for x in filter(None, seen):
         axis.axvline(x, color=OUT, lw=1.2, ls="--")
     axis.set_xlim(min([low, *seen]) - 0.03 * (high - low), max([high, *seen]) + 0.03 * (high - low))
 

@@ -10,7 +10,7 @@ from gearsim.output.markdown import table, um
 from gearsim.studies.importance import Effect, Importance
 from gearsim.studies.records import Study
 from gearsim.studies.regression import Estimate
-from gearsim.studies.summary_figures import label
+from gearsim.studies.summary_figures import label, micro
 
 _MOST = 12  # parameters in a figure's table
 _MOST_PAIRS = 3
@@ -62,7 +62,7 @@ def _how(found: Importance) -> str:
         fit = f" (Q² {found.explained:.3f})" if found.shares_by == "expansion" else ""
         said.append(f"{_BY[found.shares_by]}{fit}.")
     if np.isfinite(found.r2):
-        said.append(f"Linear regression: R² {found.r2:.3f}.")
+        said.append(f"Linear regression: R² {max(found.r2, 0.0):.3f}.")
     return " ".join(said)
 
 
@@ -84,14 +84,15 @@ def _interval(e: Estimate, text: Callable[[Estimate], str]) -> str:
         return "–"
     if np.isnan(e.low):
         return text(e)
-    return f"{text(e)} ({text(Estimate(e.low))} to {text(Estimate(e.high))})".replace("% (", "(").replace("% to", "to")
+    ends = f"{text(Estimate(e.low))} to {text(Estimate(e.high))}".replace("\u00a0%", "")
+    return f"{text(e)} ({ends})".replace(" ", "\u00a0")
 
 
 def _percent(e: Estimate) -> str:
     if np.isnan(e.value):
         return "–"
     share = 100.0 * e.value
-    return f"{share:.0f} %" if share >= 1.0 or share < 5e-4 else f"{share:.1g} %"
+    return (f"{share:.0f}" if share >= 1.0 or share < 5e-4 else f"{share:.1g}") + "\u00a0%"
 
 
 def _signed(e: Estimate) -> str:
@@ -106,7 +107,7 @@ def _per(name: str, units: dict[str, str], slope: Estimate) -> str:
     if np.isnan(slope.value):
         return ""
     unit = units.get(name.split(" and ")[0], "1")
-    return " µm" if unit == "1" else f" µm per {unit}"
+    return " µm" if unit == "1" else f" µm per {micro(unit)}"
 
 
 def _spread(first: Estimate, deviation: float) -> str:

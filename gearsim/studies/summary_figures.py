@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
@@ -79,6 +80,11 @@ def label(figure: str) -> str:
         return f"{parameter} {side.removesuffix('_um')}"
     surface, _, kind = figure.rpartition(".")
     return f"{surface} {KINDS[kind]}"
+
+
+def micro(unit: str) -> str:
+    """A unit as it is printed."""
+    return re.sub(r"\bu(m|rad)\b", r"µ\1", unit)
 
 
 def worst_jobs(told: Told, most: int) -> list[int]:

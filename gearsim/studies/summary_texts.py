@@ -13,7 +13,7 @@ import numpy as np
 from gearsim.output.markdown import table, um
 from gearsim.studies.importance import DRAWN
 from gearsim.studies.records import Parameter, Study, Value
-from gearsim.studies.summary_figures import Told, label
+from gearsim.studies.summary_figures import Told, label, micro
 
 _SPECIAL = re.compile(r"([\\`*_{}\[\]<>#+!|~])")
 _VERDICTS = ("pass", "fail", "unchecked", "error")
@@ -42,7 +42,7 @@ def head(told: Told) -> str:
     ]
     if "within_tolerance" in told.columns:
         within = int(np.nansum(told["within_tolerance"].astype(float)))
-        rows.append(["within tolerance, whoever checked", _of(within, len(study))])
+        rows.append(["within tolerance by the removal road", _of(within, len(study))])
     return (
         f"# {plain(study.name)}\n\n{plain(study.summary)}\n\n**{_jobs(len(study))}**: {summed}.\n\n{_unchecked(counts)}"
         "Deviation is measured along the outward normal of the intended surface: **positive is material left, "
@@ -85,7 +85,7 @@ def _parameter(p: Parameter) -> list[Any]:
         return [f"`{p.key}`", "", "", "", "", plain(", ".join(words[:6]) + ", ..." * (len(words) > 6))]
     values = np.array(p.values, dtype=float)
     ends = [f"{x:.6g}" for x in (values.min(), np.median(values), values.max())]
-    return [f"`{p.key}`", "" if p.unit == "1" else p.unit, *ends, f"{different:,}"]
+    return [f"`{p.key}`", "" if p.unit == "1" else micro(p.unit), *ends, f"{different:,}"]
 
 
 def distributions(told: Told) -> str:

@@ -25,7 +25,7 @@ def ishigami_indices():
     return {"a": (v1 / whole, (v1 + v13) / whole), "b": (v2 / whole,) * 2, "c": (0.0, v13 / whole)}
 
 
-@pytest.mark.parametrize(("n", "within"), [(256, 0.04), (400, 0.01)])
+@pytest.mark.parametrize(("n", "within"), [(256, 0.04), (512, 0.01)])
 def test_ishigami_s_indices(n, within):
     columns, y = ishigami(n)
     found = importance("y", y, columns, "sobol", seed=1)

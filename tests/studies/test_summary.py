@@ -69,7 +69,7 @@ def page(tmp_path_factory):
 
 def words(html):
     """The page's text without pictures and tags."""
-    return re.sub(r"\s+", " ", re.sub(r"<[^>]*>", " ", re.sub(r"<(style|title)>.*?</\1>", "", html, flags=re.S)))
+    return re.sub(r"[ \n]+", " ", re.sub(r"<[^>]*>", " ", re.sub(r"<(style|title)>.*?</\1>", "", html, flags=re.S)))
 
 
 def test_the_head_counts_and_a_user_s_text_stays_text(page):
@@ -103,7 +103,7 @@ def test_what_matters_is_named_first(page):
     said = words(page[2])
     profile = said[said.index("F_alpha left Standard deviation") :]
     assert profile.index("toolpath.mode") > profile.index("errors.squareness_urad") > 0
-    assert "0.4 (0.4 to 0.4) µm per urad" in profile
+    assert "0.4\u00a0(0.4\u00a0to\u00a00.4) µm per µrad" in profile
     assert "2 of 64 jobs have no value and are left out" in profile
     assert "A linear regression does not explain the figure" in said  # |radius| is no line
 
