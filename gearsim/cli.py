@@ -9,10 +9,14 @@ from pathlib import Path
 from shlex import quote
 from shutil import rmtree
 from time import perf_counter
-from typing import Any
+from typing import TYPE_CHECKING
 
 from gearsim.arguments import parser
 from gearsim.errors import GearsimError, InputError
+
+if TYPE_CHECKING:
+    from gearsim.output.painting import Painters
+    from gearsim.scene import Scene
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -51,25 +55,28 @@ def _told(arguments: Sequence[str] | None) -> int:
 
 
 def _run(options: argparse.Namespace) -> int:
-    from gearsim.scene import load_scene, scene_beside
-
-    scene, folder = load_scene(options.scene, options.set)
-    if beside := scene_beside(options.scene):
-        print(f"gearsim: note: this is the built-in scene; the file is run by ./{beside}", file=sys.stderr)
     if options.dry_run:
-        return _dry_run(scene, folder, options.device)
-    from gearsim.output.files import CHECKPOINTS, into, staged
+        return _dry_run(options)
     from gearsim.output.painting import Painters
+    from gearsim.output.wanted import Wanted
+
+    with Painters(Wanted(not options.no_pictures, options.figures, options.only)) as painters:  # loading meanwhile
+        return _run_drawn(options, painters)
+
+
+def _run_drawn(options: argparse.Namespace, painters: Painters) -> int:
+    """Run a scene; its pictures are drawn by ``painters``."""
+    scene, folder = _scene(options)
+    from gearsim.output.files import CHECKPOINTS, into, staged
     from gearsim.output.presenters import promised
     from gearsim.output.screen import ScreenProgress, print_result
-    from gearsim.output.wanted import Wanted
     from gearsim.output.write import refuse_unknown, write_result
     from gearsim.processes.run import plan, require_device, run_job
 
     require_device(options.device)
-    wanted = Wanted(not options.no_pictures, options.figures, options.only)
+    wanted = painters.wanted
     out = options.out or Path("runs") / scene.name
-    with staged(out) as stage, Painters(wanted) as painters, ScreenProgress() as progress:
+    with staged(out) as stage, ScreenProgress() as progress:
         progress.stage("planning", 0)
         started = perf_counter()
         job = plan(scene, folder)
@@ -86,12 +93,23 @@ def _run(options: argparse.Namespace) -> int:
     return result.exit_code
 
 
-def _dry_run(scene: Any, folder: Path, device: str) -> int:
+def _dry_run(options: argparse.Namespace) -> int:
+    scene, folder = _scene(options)
     from gearsim.output.screen import print_estimate
     from gearsim.processes.run import estimate
 
-    print_estimate(scene.name, estimate(scene, folder, device))
+    print_estimate(scene.name, estimate(scene, folder, options.device))
     return 0
+
+
+def _scene(options: argparse.Namespace) -> tuple[Scene, Path]:
+    """The scene that is asked for, and the folder its files are in."""
+    from gearsim.scene import load_scene, scene_beside
+
+    loaded = load_scene(options.scene, options.set)
+    if beside := scene_beside(options.scene):
+        print(f"gearsim: note: this is the built-in scene; the file is run by ./{beside}", file=sys.stderr)
+    return loaded
 
 
 def _scenes(_: argparse.Namespace) -> int:
