@@ -60,6 +60,8 @@ def study(
         source = read_study(source, overrides=overrides)
     elif overrides:
         raise InputError(f"overrides ({', '.join(overrides)}) change a study as it is read; this one was read already")
+    from gearsim.studies.summary_reading import summarise
+
     store = Store.create(Path(out) if out is not None else Path("runs") / source.name, source)
     done, progress = store.done(), progress or Silent()
     left = [chunk for chunk in range(source.chunks) if chunk not in done]
@@ -67,7 +69,10 @@ def study(
     if left:
         _compute(store, left, progress, device, workers, scheduler)
     progress.tell("writing the data set")
-    return StudyResult(source, store.folder, store.finish(exr))
+    counts = store.finish(exr)
+    progress.tell("summing up")
+    summarise(store.folder)
+    return StudyResult(source, store.folder, counts)
 
 
 def _compute(
