@@ -65,7 +65,7 @@ def _verify(store: Store, kept: Sequence[dict[str, Any]]) -> None:
             _rows(store, chunk)
             if any(sha256_of(store.folder / file) != known for file, (_, known) in told["files"].items()):
                 raise OSError("not as it was written")
-        except OSError:
+        except (OSError, ValueError):  # of pages, of what stands around them
             bad.append(chunk)
             store.forget(chunk)
     if bad:

@@ -61,8 +61,13 @@ class Store:
         try:
             folder.mkdir(parents=True, exist_ok=True)
             (folder / PARTS).mkdir(exist_ok=True)
+            if not store.done():  # whatever maps another gearsim left behind may have another shape
+                for maps in (folder / MAPS, folder / GRIDS_KEPT):
+                    shutil.rmtree(maps, ignore_errors=True)
         except OSError as error:
-            raise refused(folder, error) from error
+            raise InputError(
+                f"cannot write into the study's folder {folder}: {error.strerror or error}; choose another with --out"
+            ) from error
         store._refuse_size(samples)
         if not is_file(folder / STUDY) or (folder / STUDY).read_bytes() != data:
             store._writer.put(folder / STUDY, data)

@@ -4,11 +4,12 @@ import sys
 from dataclasses import replace
 
 import pytest
+import zarr
 
 from gearsim.errors import InputError
 from gearsim.studies.records import Outcome, Parameter
 from gearsim.studies.store import Store
-from tests.studies.stored import fill, outcome, study
+from tests.studies.stored import fill, outcome, study, surface_map
 
 
 def test_a_study_is_read_back_as_it_was(tmp_path):
@@ -85,6 +86,21 @@ def test_other_sources_are_refused_to_workers_and_make_parts_stale(tmp_path, mon
         Store.open(tmp_path / "out")
     assert Store.create(tmp_path / "out", made).done() == set()
     assert Store.open(tmp_path / "out").done() == set()
+
+
+def test_maps_of_another_gearsim_may_have_had_another_shape(tmp_path, monkeypatch):
+    made = study(tmp_path)
+    fill(Store.create(tmp_path / "out", made))
+    monkeypatch.setattr("gearsim.studies.study_file.sources", lambda: "other")
+    small = replace(surface_map(0), **{
+        k: getattr(surface_map(0), k)[:2] for k in ("deviation_um", "crossing", "u", "point", "normal")
+    })  # fmt: skip
+    again = Store.create(tmp_path / "out", made)
+    for chunk in range(made.chunks):
+        again.put(chunk, [Outcome(k, "pass", maps={"convex": small}) for k in made.jobs_of(chunk)], {})
+    assert again.finish() == {"pass": 20}
+    assert zarr.open_group(tmp_path / "out/maps.zarr", mode="r")["convex_crossing"].shape == (20, 2, 6)
+    assert "concave_crossing" not in zarr.open_group(tmp_path / "out/maps.zarr", mode="r")
 
 
 def test_what_is_no_folder_of_a_study_is_told(tmp_path):
