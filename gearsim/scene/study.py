@@ -37,8 +37,8 @@ class StudyHeader(Table):
     method: Literal["grid", "list", "latin-hypercube", "sobol", "monte-carlo"]
     samples: int | None = Field(default=None, ge=1, le=MOST_JOBS)
     seed: int = Field(default=1, ge=0, lt=2**63)
-    measure: tuple[Literal["maps", "iso", "all"], ...] = Field(default=("maps",), min_length=1)
-    cross_checked: float = Field(default=0.0, ge=0.0, le=1.0)
+    measure: tuple[Literal["maps", "iso"], ...] = Field(default=("maps",), min_length=1)
+    cross_checked: float = Field(default=1.0, ge=0.0, le=1.0)
     chunk: int = Field(default=32, ge=1, le=100_000)
     set: dict[str, Any] = Field(default_factory=dict)
 

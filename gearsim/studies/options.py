@@ -20,6 +20,7 @@ a study is a TOML file: a scene, and the keys of it that vary (docs/batch.md has
   method = "monte-carlo"          # or grid, list, latin-hypercube, sobol
   samples = 1000                  # not for grid and list
   seed = 1
+  cross_checked = 0.01            # share of jobs judged by both roads; 1 (default): all, some seconds each
   [study.set]                     # for all jobs
   metrology.rows = 17
   [[vary]]

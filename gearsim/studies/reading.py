@@ -102,7 +102,7 @@ def _refuse_unequal(checked: StudyTables, scene: Scene, label: str) -> None:
     measure, metrology = checked.study.measure, getattr(scene, "metrology", None)
     problems = [
         f"vary.{i}: {key} varies, and the maps of all jobs are one array: fix it in [study.set], or measure = [\"iso\"]"
-        for i, vary in enumerate(checked.vary) for key in vary.names if key in _GRID and set(measure) & {"maps", "all"}
+        for i, vary in enumerate(checked.vary) for key in vary.names if key in _GRID and "maps" in measure
     ]  # fmt: skip
     if "iso" in measure and not hasattr(metrology, "iso_class"):
         problems.append("study.measure: iso is for cylindrical gears, whose metrology.iso_class asks for a class")

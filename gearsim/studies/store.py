@@ -239,14 +239,14 @@ class Store:
             table = self.study.tables.get("metrology", {})
             known = "rows" in table and "columns" in table
             samples = 2 * int(table["rows"]) * int(table["columns"]) if known else _SAMPLES
-        maps = 10.0 * samples if {"maps", "all"} & set(self.study.asked.measure) else 0.0
+        maps = 10.0 * samples if "maps" in self.study.asked.measure else 0.0
         row = 20.0 * (len(self.study.parameters) + 40)
         return (maps + row) * len(self.study) * (1.0 - len(self.done()) / self.study.chunks) + 64.0 * samples
 
 
 def _refuse_shapes(study: Study) -> None:
     for parameter in study.parameters:
-        if parameter.key in _SHAPES and len(set(parameter.values)) > 1 and {"maps", "all"} & set(study.asked.measure):
+        if parameter.key in _SHAPES and len(set(parameter.values)) > 1 and "maps" in study.asked.measure:
             raise InputError(
                 f"{parameter.key} is varied, but the maps of all jobs stand in one array of one shape; fix it with "
                 "[study.set], or leave maps out of study.measure"
