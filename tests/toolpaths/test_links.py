@@ -1,5 +1,7 @@
 """Rapids between flank passes stay clear of the blank: the removal road with the rapids alone, over the whole blank."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -167,3 +169,31 @@ def test_a_rapid_that_just_touches_a_face_cuts_nothing(device):
         over = CLMotion(np.array([[-50.0, 0.0, z], [50.0, 0.0, z]]), axis)
         found = touched(operation("over", cutter, [over], 1e-9, rapid=[True]), device)
         assert (found is not None) == touches
+
+
+@pytest.mark.parametrize(
+    "cutter", [flat(6.0, 20.0), ball(8.0, 40.0), conical(1.0, 0.8, 0.26, 25.0)], ids=lambda c: c.name
+)
+def test_bounds_of_a_way_are_below_the_distance_of_any_point_of_the_tool(cutter):
+    """Rough looks as well as fine ones; where both say that a way is clear, and where the blank is touched."""
+    rng = np.random.default_rng(11)
+    z, angle = np.linspace(cutter.box[2], cutter.height, 40), np.linspace(0.0, 2.0 * np.pi, 40, endpoint=False)
+    said = set()
+    for _ in range(20):
+        axes = np.array([0.0, 0.0, 1.0]) + 0.4 * rng.normal(size=(2, 3))
+        axes /= np.linalg.norm(axes, axis=1)[:, None]
+        tips = np.array([0.0, 0.0, 2.0]) + [60.0, 60.0, 8.0] * rng.uniform(-1.0, 1.0, size=(2, 3))
+        clearance = Clearance(DISC, cutter)
+        tip, axis = (s.value for s in CLMotion(tips, axes).pose(np.zeros(60, int), np.linspace(0.0, 1.0, 60), 0))
+        side = np.cross(axis, [1.0, 0.0, 0.0])
+        side /= np.linalg.norm(side, axis=1)[:, None]
+        other = np.cross(axis, side)
+        round_it = np.cos(angle)[:, None] * side[:, None] + np.sin(angle)[:, None] * other[:, None]
+        on_axis = tip[:, None] + z[:, None] * axis[:, None]
+        skin = on_axis[:, :, None] + cutter.radii_at(z)[:, None, None] * round_it[:, None]
+        least = float(DISC.signed_distance(skin).min())
+        assert clearance.along(tips, axes) <= least
+        assert replace(clearance, rough=8.0).along(tips, axes) <= least
+        assert not clearance.clears(tips, axes) or least >= CLEAR_MM
+        said.add(clearance.clears(tips, axes))
+    assert said == {True, False}
