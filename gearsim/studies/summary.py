@@ -7,6 +7,7 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 
 from gearsim.errors import written
+from gearsim.output.files import into
 from gearsim.output.heat import NOISE_UM
 from gearsim.output.markdown import as_html, pictures
 from gearsim.output.saving import Save
@@ -33,7 +34,7 @@ def write_summary(study: Study, columns: Columns, maps: Maps, out: Path, frame: 
     surface. ``frame``: tolerances (default: none are known). Raises InputError where it cannot be written.
     """
     told = Told(study, columns, frame or Frame())
-    with TemporaryDirectory() as folder:
+    with into(out.parent), TemporaryDirectory() as folder:
         save = Save(Path(folder))
         parts = [
             head(told),
