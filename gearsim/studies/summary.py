@@ -75,7 +75,10 @@ def _matters(told: Told, save: Save) -> str:
         return "## Which parameter matters\n\nNone: no figure varies by more than 1 nm.\n" * bool(told.figures)
     study = told.study
     found = [importance(f, told[f], told.parameters, study.method, study.seed, NOISE_UM) for f in chosen]
-    out = [f"## Which parameter matters\n\n{overview(found)}"]
+    still = ", ".join(map(label, told.still))
+    out = [
+        f"## Which parameter matters\n\n{overview(found)}" + f"\nVary by no more than 1 nm: {still}.\n" * bool(still)
+    ]
     for k, one in enumerate(found):
         captions = {}
         if any(e.size > 0.0 for e in one.effects):

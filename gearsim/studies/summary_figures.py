@@ -51,6 +51,11 @@ class Told:
         return [name for name in self.columns if name.startswith("iso.") and name.endswith("_um")]
 
     @property
+    def still(self) -> list[str]:
+        """The figures that vary by no more than the two roads agree to."""
+        return [f for f in self.figures if float(np.nanmax(self[f]) - np.nanmin(self[f])) <= NOISE_UM]
+
+    @property
     def parameters(self) -> dict[str, NDArray[Any]]:
         """Every parameter's values."""
         return {p.key: np.array(p.values) for p in self.study.parameters}
@@ -107,9 +112,8 @@ def headlines(told: Told, most: int) -> list[str]:
     """
     groups: dict[str, list[str]] = {}
     for figure in told.figures:
-        group = figure.rpartition(".")[0]
-        if float(np.nanmax(told[figure]) - np.nanmin(told[figure])) > NOISE_UM:
-            groups.setdefault(group, []).append(figure)
+        if figure not in told.still:
+            groups.setdefault(figure.rpartition(".")[0], []).append(figure)
     chosen = [max(group, key=lambda f: float(np.nanstd(told[f]))) for group in groups.values()]
     held = {f: bool(np.isfinite(told.frame.limits(f)).any()) for f in chosen}
     order = sorted(chosen, key=lambda f: (-int(told.beyond(f).sum()), not held[f], -float(np.nanmax(told.use(f)))))

@@ -104,6 +104,7 @@ def test_what_matters_is_named_first(page):
     profile = said[said.index("F_alpha left Standard deviation") :]
     assert profile.index("toolpath.mode") > profile.index("errors.squareness_urad") > 0
     assert "0.4\u00a0(0.4\u00a0to\u00a00.4) µm per µrad" in profile
+    assert "Vary by no more than 1 nm: convex max." in said
     assert "2 of 64 jobs have no value and are left out" in profile
     assert "A linear regression does not explain the figure" in said  # |radius| is no line
 
