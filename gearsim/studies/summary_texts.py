@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 
 from gearsim.output.markdown import table, um
+from gearsim.studies.chunk import tables_of
 from gearsim.studies.importance import DRAWN
 from gearsim.studies.records import Parameter, Study, Value
 from gearsim.studies.summary_figures import Told, label, micro
@@ -162,10 +163,27 @@ def command(study: Study, job: int) -> str:
     scene = _header(study).get("scene")
     if not scene:
         return ""
-    fixed = _flat(_header(study).get("set", {}))
-    pairs = {**fixed, **study.values_of(job)}
-    settings = [f"--set {shlex.quote(f'{key}={_toml(value)}')}" for key, value in pairs.items()]
+    settings = [f"--set {shlex.quote(f'{key}={_toml(value)}')}" for key, value in _settings(study, job).items()]
     return "```sh\n" + " \\\n  ".join([f"gearsim run {shlex.quote(str(scene))}", *settings]) + "\n```\n"
+
+
+def _settings(study: Study, job: int) -> dict[str, Any]:
+    """A job's values by dotted key; of a place in a list the whole list, which is what ``gearsim run`` can set."""
+    tables = tables_of(study, job)
+    given = {**_flat(_header(study).get("set", {})), **study.values_of(job)}
+    return dict(_whole(tables, key, value) for key, value in given.items())
+
+
+def _whole(tables: Mapping[str, Any], key: str, value: Any) -> tuple[str, Any]:
+    """The first list on the way to a key, with its own key; else the key and its value."""
+    at: Any = tables
+    way: list[str] = []
+    for part in key.split("."):
+        at = at.get(part)
+        way.append(part)
+        if not isinstance(at, Mapping):
+            break
+    return (".".join(way), at) if isinstance(at, list) else (key, value)
 
 
 def _flat(tables: Mapping[str, Any], before: str = "") -> dict[str, Any]:
@@ -176,6 +194,10 @@ def _flat(tables: Mapping[str, Any], before: str = "") -> dict[str, Any]:
     return out
 
 
-def _toml(value: Value | Sequence[Any]) -> str:
+def _toml(value: Value | Sequence[Any] | Mapping[str, Any]) -> str:
     """A value as TOML has it."""
+    if isinstance(value, Mapping):
+        return "{" + ", ".join(f"{key} = {_toml(v)}" for key, v in value.items()) + "}"
+    if isinstance(value, list | tuple):
+        return "[" + ", ".join(map(_toml, value)) + "]"
     return json.dumps(value, ensure_ascii=False)

@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from gearsim.scene import load_scene
 from gearsim.studies.records import Parameter, Study, SurfaceMap
 from gearsim.studies.summary import write_summary
 from gearsim.studies.summary_figures import Told, headlines, worst_jobs
@@ -125,6 +126,16 @@ def test_a_command_gives_back_every_value():
     assert given[:2] == ["metrology.rows=5", "metrology.columns=9"]
     assert given[-1] == f'toolpath.mode="{mode}"'
     assert float(given[2].partition("=")[2]) == study.parameters[0].values[5]
+
+
+def test_a_command_sets_a_list_whole_so_that_gearsim_run_reads_it():
+    places = (Parameter("errors.pivot_um.2", (1.5, -0.25)), Parameter("errors.tool_radius_um", (2.0, 3.0)))
+    tables = {"errors": {"pivot_um": [0.0, 7.0, 0.0]}}
+    study = Study("s", "", tables, Path(), places, "list", 1, source={"study": {"scene": "helical-external"}})
+    given = [w for w in shlex.split(command(study, 1).replace("\\\n", " ").replace("```", "")) if "=" in w]
+    assert given == ["errors.pivot_um=[0.0, 7.0, -0.25]", "errors.tool_radius_um=3.0"]
+    scene, _ = load_scene("helical-external", given)
+    assert scene.errors.pivot_um == (0.0, 7.0, -0.25)
 
 
 def test_the_worst_jobs_come_first_and_those_with_unmeasured_samples_before():
