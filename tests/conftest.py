@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import os
 from math import radians
+
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # tests keep all cores busy: its threads would wait for each other
 
 import numpy as np
 import pytest
