@@ -16,13 +16,15 @@ f64 = wp.float64
 class Groups:
     """Consecutive rows of the motion taken together: group g has the rows first[g] to first[g + 1].
 
-    The tool stays within ``spread`` [mm] of where it is at the pose (``tip``, ``axis``).
+    The tool stays within ``spread`` [mm] of where it is at the pose (``tip``, ``axis``). It moves by no more than
+    travel[j] - travel[i] [mm] from the middle of row i to that of row j.
     """
 
     first: wp.array(dtype=wp.int32)
     tip: wp.array(dtype=wp.vec3d)
     axis: wp.array(dtype=wp.vec3d)
     spread: wp.array(dtype=f64)
+    travel: wp.array(dtype=f64)
 
 
 PAD = wp.constant(f64(1.0e-7))

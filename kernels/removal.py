@@ -2,11 +2,12 @@
 
 import warp as wp
 
-from gearsim.kernels.cull import Groups, near_stretch
+from gearsim.kernels.cull import PAD, Groups, near_stretch
 from gearsim.kernels.interval import IntervalLists, covers
 from gearsim.kernels.options import OPTIONS
 from gearsim.kernels.pose import Motion
 from gearsim.kernels.profile import Cutter, Cutters, convex_part
+from gearsim.kernels.standing import MORE_LATER, NOTHING_NEW, standing_of
 from gearsim.kernels.sweep import STATUS_GAP_UNDECIDED, cut_by_segment
 from gearsim.kernels.tool_ray import greater
 
@@ -35,6 +36,47 @@ def extent_of(a: wp.vec3d, b: wp.vec3d) -> f64:
     for i in range(3):
         sum += greater(wp.abs(a[i]), wp.abs(b[i]))
     return sum
+
+
+@wp.func
+def cut_group(
+    cutter: Cutter, motion: Motion, groups: Groups, first: int, end: int, step: int, origin: wp.vec3d,
+    direction: wp.vec3d, window: wp.vec2d, tolerance: f64, ray: int, lists: IntervalLists,
+) -> wp.vec2i:  # fmt: skip
+    """Cut a ray by rows of a group, every ``step``-th from ``first`` on: how many were searched, and status bits.
+
+    A row waits while the next one takes more, since few of those from ``held`` on are left to search once that is
+    cut; ``front`` is as far as rows have been looked at. Rows that cannot reach what is left of the ray are skipped.
+    """
+    pairs = int(0)
+    status = int(0)
+    row = first
+    front = first
+    held = first
+    while row < end:
+        now = standing_of(cutter, motion, row, origin, direction, window, tolerance, ray, lists)
+        if now.more == MORE_LATER and row == front and row + step < end:
+            front += step
+            row = front
+            continue
+        tip = motion.tip[row, 0]
+        axis = motion.axis[row, 0]
+        if now.more != NOTHING_NEW and may_cut(
+            cutter, tip, axis, motion.speed[row], origin, direction, window, ray, lists
+        ):
+            pairs += 1
+            status = status | cut_by_segment(cutter, motion, row, origin, direction, window, tolerance, ray, lists)
+        if row == front:
+            reach = groups.travel[row] + now.clear - PAD * cutter.size
+            while front + step < end and groups.travel[front + step] + motion.speed[front + step] < reach:
+                front += step
+        if row > held:
+            row -= step
+        else:
+            front += step
+            row = front
+            held = front
+    return wp.vec2i(pairs, status)
 
 
 @wp.kernel
@@ -100,13 +142,9 @@ def cut_rays(
                     part, tip, axis, groups.spread[group], o, d, window, ray, lists_out
                 ):
                     row = end
-                while row < end:
-                    tip = motion.tip[row, 0]
-                    axis = motion.axis[row, 0]
-                    if may_cut(part, tip, axis, motion.speed[row], o, d, window, ray, lists_out):
-                        pairs += 1
-                        told = told | cut_by_segment(part, motion, row, o, d, window, tolerance, ray, lists_out)
-                    row += step
+                found = cut_group(part, motion, groups, row, end, step, o, d, window, tolerance, ray, lists_out)
+                pairs += found[0]
+                told = told | found[1]
             step = wp.where(step > 1, 1, 0)
         status = status | told
     candidates_out[ray] = candidates

@@ -135,6 +135,7 @@ class RowGroups:
     tip: NDArray[np.floating]
     axis: NDArray[np.floating]
     spread: NDArray[np.floating]
+    travel: NDArray[np.floating]
     lower: NDArray[np.floating]
     upper: NDArray[np.floating]
 
@@ -149,14 +150,16 @@ def row_groups(table: SegmentTable, cutter: Profile) -> RowGroups:
         return np.linalg.norm(centre[i] - centre[j], axis=1) + size * np.linalg.norm(axis[i] - axis[j], axis=1)
 
     rows = np.arange(len(table))
-    travel = np.maximum(apart(rows, np.maximum(rows - 1, 0)), table.speed)
-    _, first = np.unique(np.floor(np.cumsum(travel) / (_GROUP_TRAVEL * radius)), return_index=True)
+    step = apart(rows, np.maximum(rows - 1, 0))
+    _, first = np.unique(
+        np.floor(np.cumsum(np.maximum(step, table.speed)) / (_GROUP_TRAVEL * radius)), return_index=True
+    )
     end = np.append(first[1:], len(table))
     middle = (first + end) // 2
     spread = apart(rows, np.repeat(middle, end - first)) + table.speed
     lower, upper = segment_bounds(table, cutter)
     return RowGroups(
-        np.append(first, len(table)), tip[middle], axis[middle], np.maximum.reduceat(spread, first),
+        np.append(first, len(table)), tip[middle], axis[middle], np.maximum.reduceat(spread, first), np.cumsum(step),
         np.minimum.reduceat(lower, first), np.maximum.reduceat(upper, first),
     )  # fmt: skip
 
@@ -167,7 +170,7 @@ def group_data(groups: Sequence[RowGroups], device: str) -> Groups:
     first = [g.first[:-1] + row for g, row in zip(groups, rows, strict=False)]
     data = Groups()
     data.first = wp.array(np.concatenate([*first, rows[-1:]]), dtype=wp.int32, device=device)
-    for name, kind in (("tip", wp.vec3d), ("axis", wp.vec3d), ("spread", wp.float64)):
+    for name, kind in (("tip", wp.vec3d), ("axis", wp.vec3d), ("spread", wp.float64), ("travel", wp.float64)):
         setattr(data, name, wp.array(np.concatenate([getattr(g, name) for g in groups]), dtype=kind, device=device))
     return data
 
