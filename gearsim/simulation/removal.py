@@ -24,6 +24,7 @@ from gearsim.kernels.loading import load_kernels, start_warp
 from gearsim.motion.segments import SegmentTable, join
 from gearsim.simulation.intervals import IntervalSet, concatenate, from_lists
 from gearsim.simulation.tools import (
+    GROUP_TRAVEL,
     cutter_data,
     group_data,
     grouped_bvh,
@@ -39,6 +40,7 @@ SLOT_BYTES = 24
 SLICE_RAYS = 2048
 _COARSE_STEP = 8
 _COARSE_FROM = 4096  # rows; fewer are cut at once faster
+_COARSE_TRAVEL = 2.0  # of the tool's radius, over which rows of so many are taken together: most are skipped unseen
 
 
 @dataclass(frozen=True)
@@ -235,9 +237,11 @@ class Loaded:
             extent = float(np.abs(tables[0].tip).sum(axis=1).max(initial=0.0))
             self.kernel, tool = _ring_kernels().cut_rays_by_ring, [ring_data(cutters[0], extent, device), motion]
         else:
-            groups = [row_groups(table, cutter) for table, cutter in motions]
+            coarsely = [len(table) >= _COARSE_FROM for table in tables]
+            travels = [_COARSE_TRAVEL if long else GROUP_TRAVEL for long in coarsely]
+            groups = [row_groups(*pair, travel) for pair, travel in zip(motions, travels, strict=True)]
             self.bvh = grouped_bvh(groups, device)
-            steps = [_COARSE_STEP if len(table) >= _COARSE_FROM else 1 for table in tables]
+            steps = [_COARSE_STEP if long else 1 for long in coarsely]
             coarse = np.stack([self.first_row[:-1], steps], axis=1)
             self.coarse = wp.array(coarse, dtype=wp.vec2i, device=device)
             self.kernel, tool = kernels.cut_rays, [cutter_data(cutters, device), motion, group_data(groups, device)]

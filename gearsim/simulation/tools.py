@@ -22,7 +22,7 @@ from gearsim.motion.segments import SegmentTable
 from gearsim.simulation.intervals import IntervalSet
 
 _ROUNDING = 4e-15
-_GROUP_TRAVEL = 0.6
+GROUP_TRAVEL = 0.6
 _WIDER = 1e-9  # normals of an arc beyond its own [rad]: a distance is off by half the square of it
 
 
@@ -140,8 +140,8 @@ class RowGroups:
     upper: NDArray[np.floating]
 
 
-def row_groups(table: SegmentTable, cutter: Profile) -> RowGroups:
-    """Groups of rows over which the tool travels about 0.6 of its radius, or one row where that travels more."""
+def row_groups(table: SegmentTable, cutter: Profile, travel: float = GROUP_TRAVEL) -> RowGroups:
+    """Groups of rows over which the tool travels ``travel`` of its radius or so, or one row where that travels more."""
     tip, axis = table.tip[:, 0], table.axis[:, 0]
     _, radius, bottom, top = cutter.box
     centre, size = tip + 0.5 * (bottom + top) * axis, float(np.hypot(radius, 0.5 * (top - bottom)))
@@ -151,9 +151,7 @@ def row_groups(table: SegmentTable, cutter: Profile) -> RowGroups:
 
     rows = np.arange(len(table))
     step = apart(rows, np.maximum(rows - 1, 0))
-    _, first = np.unique(
-        np.floor(np.cumsum(np.maximum(step, table.speed)) / (_GROUP_TRAVEL * radius)), return_index=True
-    )
+    _, first = np.unique(np.floor(np.cumsum(np.maximum(step, table.speed)) / (travel * radius)), return_index=True)
     end = np.append(first[1:], len(table))
     middle = (first + end) // 2
     spread = apart(rows, np.repeat(middle, end - first)) + table.speed
