@@ -43,6 +43,10 @@ class FlankPath:
         """The slot's lengthwise curve as far as the path goes."""
         return LengthwiseLine(self.tooth.blank, self.tooth.spine, self.tooth.phi_at, self.run)
 
+    def contact_height(self, cone: NDArray | float) -> NDArray:
+        """Profile height h [mm] of the contact path: mid working depth (Zhou 4.23)."""
+        return np.asarray(self.tooth.blank.mid_working_depth_at(cone))
+
     @property
     def motion(self) -> CurveMotion:
         """The theoretical motion over the face and its run-in and run-out."""
