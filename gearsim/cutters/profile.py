@@ -97,11 +97,6 @@ class Profile:
         """Smallest radius [mm]: that of a ring's hole, else 0."""
         return self.box[0]
 
-    @staticmethod
-    def element_radius(e: Element) -> float:
-        """Largest radius [mm] on one element."""
-        return e.box[1]
-
     @property
     def reach(self) -> float:
         """Largest distance of any tool point from the tip [mm], from above."""
