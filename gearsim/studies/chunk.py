@@ -49,7 +49,7 @@ class PlannedChunk(NamedTuple):
 def plan_chunk(study: Study, jobs: Sequence[int]) -> PlannedChunk:
     """Plan some of a study's jobs; nothing is cut."""
     started = perf_counter()
-    both, scenes = study.cross_checked(), [_scene(study, job) for job in jobs]
+    both, scenes = study.cross_checked, [_scene(study, job) for job in jobs]
     planned = _planned(study, scenes, [bool(both[job]) for job in jobs])
     return PlannedChunk(planned, perf_counter() - started)
 
@@ -58,7 +58,7 @@ def measure_chunk(
     study: Study, jobs: Sequence[int], planned: PlannedChunk, device: str = "cpu", cores: int | None = None
 ) -> tuple[list[Outcome], dict[str, float]]:  # fmt: skip
     """What comes of jobs that are planned; as ``run_chunk``."""
-    started, both = perf_counter(), study.cross_checked()
+    started, both = perf_counter(), study.cross_checked
     prepare(device)
     found = performed(planned.jobs, device, cores)
     outcomes = [_outcome(study, job, done, bool(both[job])) for job, done in zip(jobs, found, strict=True)]

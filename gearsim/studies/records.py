@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import cached_property
 from pathlib import Path
 from typing import Any, Literal
 
@@ -88,12 +89,14 @@ class Study:
         """A job's parameters by their keys."""
         return {p.key: p.values[job] for p in self.parameters}
 
+    @cached_property
     def cross_checked(self) -> NDArray[np.bool_]:
         """In which jobs both roads are asked, shape (jobs,): the stated share of them, at least one if it is not 0."""
         share, n = self.asked.cross_checked, len(self)
         chosen = np.zeros(n, dtype=bool)
         count = min(n, max(1, round(share * n))) if share > 0.0 else 0
         chosen[np.random.default_rng([self.seed, 1]).permutation(n)[:count]] = True
+        chosen.setflags(write=False)
         return chosen
 
 

@@ -83,7 +83,7 @@ class Digests:
     """Of every chunk what its results depend on: scene, the files it names, values, what is asked, the sources."""
 
     def __init__(self, study: Study) -> None:
-        self._study, self._cross_checked = study, study.cross_checked()
+        self._study, self._cross_checked = study, study.cross_checked
         hashed = cache(lambda name: _content(study.folder, name))
         self._hashed: Callable[[str], str] = hashed
         files = {name: hashed(name) for name in _strings(study.tables) if hashed(name)}

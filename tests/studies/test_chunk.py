@@ -81,9 +81,9 @@ def test_a_job_that_cannot_be_done_says_why_and_leaves_the_others_alone(study, o
 
 def test_only_chosen_jobs_are_cross_checked_by_the_seed(study):
     third = replace(study, asked=Asked(cross_checked=0.25))
-    assert third.cross_checked().sum() == 1
-    assert np.array_equal(third.cross_checked(), replace(third, name="other").cross_checked())
-    assert not study.cross_checked().any()
+    assert third.cross_checked.sum() == 1
+    assert np.array_equal(third.cross_checked, replace(third, name="other").cross_checked)
+    assert not study.cross_checked.any()
 
 
 def test_programs_are_what_reading_their_text_gives():
