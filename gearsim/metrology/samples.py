@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gearsim.geometry.rays import RayBundle
+from gearsim.metrology.kept import Kept
 from gearsim.surfaces.patch import Jet, Patch, ToothSurface
 
 
@@ -49,16 +50,10 @@ def sample_grid(patch: Patch, rows: int, columns: int, margin: float = 0.0, wind
     ``window`` scales the measuring windows. Grids are kept: jobs beside each other share their patches.
     """
     key = (id(patch), rows, columns, margin, window)
-    grid = _KEPT.get(key)
-    if grid is None:
-        grid = _KEPT[key] = _made(patch, rows, columns, margin, window)
-        if len(_KEPT) > _MOST_KEPT:
-            _KEPT.pop(next(iter(_KEPT)))
-    return grid
+    return _GRIDS.get(key, lambda: _made(patch, rows, columns, margin, window))
 
 
-_MOST_KEPT = 32
-_KEPT: dict[tuple[int, int, int, float, float], SampleGrid] = {}  # by the patch's id, which lives as long as its grid
+_GRIDS: Kept[SampleGrid] = Kept(32)  # by the patch's id, which lives as long as its grid
 
 
 def _made(patch: Patch, rows: int, columns: int, margin: float, window: float) -> SampleGrid:

@@ -19,6 +19,7 @@ from gearsim.metrology.gear_probing import all_rays, probing
 from gearsim.metrology.grid import GridInspection
 from gearsim.metrology.inspection import Inspection
 from gearsim.metrology.job import Job
+from gearsim.metrology.kept import Kept
 from gearsim.metrology.samples import sample_grid
 from gearsim.motion.program import ProgramMotion
 from gearsim.motion.real_motion import RealMotion
@@ -44,7 +45,6 @@ from gearsim.surfaces.part import Part
 
 _NEAR_MM = 0.1  # what is measured must be smaller than half of it, and what errors move the tool by, too
 _EVERY = 61  # of the blocks, by which it is told how far errors move the tool
-_MOST_KEPT = 4
 
 
 @dataclass(frozen=True)
@@ -57,7 +57,7 @@ class _Basis:
     near: NDArray[np.bool_]
 
 
-_KEPT: dict[tuple[str, Path, Brief], _Basis] = {}
+_BASES: Kept[_Basis] = Kept(4)
 
 
 def plan_many(scenes: Sequence[CylindricalGearScene], folder: Path, brief: Brief) -> list[Planned | GearsimError]:
@@ -87,16 +87,15 @@ def _whole(scene: CylindricalGearScene, folder: Path, brief: Brief) -> Job:
 def _basis(scene: CylindricalGearScene, folder: Path, brief: Brief) -> _Basis:
     """What the scene shares with those that differ by their errors; kept."""
     bare = scene.model_copy(update={"errors": ErrorsTable(), "budget": None, "reference": None})
-    key = bare.model_dump_json(), folder, brief
-    if key not in _KEPT:
-        made = programmed(bare, folder)
-        inspections = tuple(kept(gear_inspections(bare, made.probed), PROGRAM, brief))
-        part = gear_part(bare, made.probed)
-        near = nearby(made, _points(part, inspections), bare.simulation.compile_tolerance_mm)
-        _KEPT[key] = _Basis(made, part, inspections, near)
-        if len(_KEPT) > _MOST_KEPT:
-            _KEPT.pop(next(iter(_KEPT)))
-    return _KEPT[key]
+    return _BASES.get((bare.model_dump_json(), folder, brief), lambda: _made(bare, folder, brief))
+
+
+def _made(bare: CylindricalGearScene, folder: Path, brief: Brief) -> _Basis:
+    made = programmed(bare, folder)
+    inspections = tuple(kept(gear_inspections(bare, made.probed), PROGRAM, brief))
+    part = gear_part(bare, made.probed)
+    near = nearby(made, _points(part, inspections), bare.simulation.compile_tolerance_mm)
+    return _Basis(made, part, inspections, near)
 
 
 def _points(part: Part, inspections: Sequence[Inspection]) -> NDArray[np.floating]:
