@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
-from difflib import get_close_matches
 from functools import lru_cache
 from math import inf
 from pathlib import Path
@@ -24,6 +23,7 @@ from gearsim.metrology.other_spaces import SpacesInspection
 from gearsim.metrology.rapid_check import RapidInspection
 from gearsim.metrology.root import RootInspection
 from gearsim.motion.sources import CLMotion, MotionSource
+from gearsim.processes.cl_notes import pass_notes, posting_notes
 from gearsim.processes.cl_tools import cl_cutters, cl_operations
 from gearsim.processes.claims import Claim, Swept
 from gearsim.processes.errors import error_notes, mounted
@@ -34,7 +34,6 @@ from gearsim.processes.slot_program import slot_program
 from gearsim.programs.cldata import RAPID, CLProgram, format_cl, parse_cl, read_cl_text
 from gearsim.scene import FlankMillingScene, scene_table
 from gearsim.scene.flank_milling import FaceMilledFlankTable, MetrologyTable, ReferenceTable, RuledBevelTable
-from gearsim.scene.program import ProgramTable
 from gearsim.simulation.operation import Operation, Variant, operation
 from gearsim.surfaces.part import Part, Tolerance
 from gearsim.surfaces.patch import SIDES, Side, Tooth
@@ -67,8 +66,8 @@ def plan(scene: FlankMillingScene, folder: Path) -> Job:
         text = read_cl_text(folder / scene.toolpath.file)
         program = parse_cl(text, str(folder / scene.toolpath.file))
         cutters, notes = cl_cutters(program, scene.toolpath.file, cutter)
-        notes += (*program.notes, *_pass_notes(program))
-        notes += _posting_notes(program, scene.program)
+        notes += (*program.notes, *pass_notes(program))
+        notes += posting_notes(program, scene.program)
         told = tuple(f"CL file: {note}" for note in notes)
         holders = tuple(scene.held() if one == cutter else None for one in cutters)
     else:
@@ -234,39 +233,3 @@ def _published(reference: ReferenceTable | None, side: Side) -> Published | None
     turn = -1.0 if reference.overcut_is_positive else 1.0
     um = tuple(turn * value for value in getattr(reference, f"{side}_um"))
     return Published(reference.source, reference.note, reference.overcut_is_positive, um)
-
-
-def _pass_notes(program: CLProgram) -> list[str]:
-    """Pass names that are no flank's, and flanks that no pass is named after while others are."""
-    notes = []
-    strange = {name: line for name, line in program.named if name not in SIDES}
-    if strange:
-        told = ", ".join(f"{name!r} (line {line}{_nearest(name)})" for name, line in strange.items())
-        notes.append(f"passes named after no flank: {told}; flanks are {' and '.join(SIDES)}")
-    if program.named:
-        notes += [
-            f"no pass is named {side}: every cutting pass counts as its own" for side in SIDES if not program.path(side)
-        ]
-    return notes
-
-
-def _posting_notes(program: CLProgram, table: ProgramTable | None) -> tuple[str, ...]:
-    """Where the machine's program says other conditions than the CL file."""
-    if table is None:
-        return ()
-    notes = []
-    if program.feed is not None and program.fastest is not None and program.fastest > program.feed:
-        of_what = "throughout" if len(program.tools) == 1 else "of each tool"
-        feeds = f"{program.feed:g} to {program.fastest:g} mm/min"
-        notes.append(f"the feeds of cutting moves are {feeds}; program.nc keeps the slowest {of_what}")
-    if program.spindle is not None and program.spindle != table.spindle_rpm:
-        notes.append(
-            f"SPINDL states {program.spindle:g}/min; program.nc runs at the scene's program.spindle_rpm, "
-            f"{table.spindle_rpm:g}"
-        )
-    return tuple(notes)
-
-
-def _nearest(name: str) -> str:
-    near = get_close_matches(name, SIDES, n=1, cutoff=0.6)
-    return f", did you mean {near[0]}?" if near else ""
