@@ -16,11 +16,11 @@ from gearsim.studies.exr_files import EXR, write_exr_files
 from gearsim.studies.joined_maps import join_maps
 from gearsim.studies.records import Study
 from gearsim.studies.rows import cast, figure_types, schema_of
-from gearsim.studies.store import MANIFEST, MAPS, STUDY, Store
+from gearsim.studies.store import JOBS, MANIFEST, MAPS, STUDY, Store
 from gearsim.studies.study_file import SCHEMA_VERSION, sources
 from gearsim.studies.writing import Writer, sha256_of
 
-JOBS, TIMINGS = "jobs.parquet", "timings.parquet"
+TIMINGS = "timings.parquet"
 UNITS = "each column's or array's own, as its name ends: um, mm, deg, ...; u and v of maps are shares from 0 to 1"
 MISSING = "null in tables, nan in deviations; crossing says why there is none"
 _ROWS = 16_384  # jobs in a row group, however many a chunk has

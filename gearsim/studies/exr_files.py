@@ -14,6 +14,7 @@ from gearsim.errors import is_folder
 from gearsim.metrology.deviation import Crossing
 from gearsim.output.columns import CROSSINGS, YES_NO, Column, key_of_numbers
 from gearsim.output.exr import header, write_exr
+from gearsim.studies.records import SurfaceMap
 from gearsim.studies.store import MAPS, Store
 from gearsim.studies.surface_arrays import array_name
 from gearsim.studies.writing import Writer, refused
@@ -52,7 +53,7 @@ def write_exr_files(store: Store, writer: Writer) -> None:
 def _fields(maps: Any, surface: str, jobs: range) -> dict[str, NDArray[Any]]:
     """All fields of a surface in some jobs, those that are all jobs' repeated."""
     out = {}
-    for field in ("deviation_um", "crossing", "u", "v", "point", "normal"):
+    for field in SurfaceMap.__dataclass_fields__:
         array = maps[array_name(surface, field)]
         own = array.metadata.dimension_names[0] == "job"
         out[field] = array[jobs.start : jobs.stop] if own else np.broadcast_to(array[...], (len(jobs), *array.shape))

@@ -12,8 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gearsim.errors import InputError, is_file
-from gearsim.studies.data_set import JOBS
-from gearsim.studies.store import MANIFEST, MAPS, STUDY
+from gearsim.studies.store import JOBS, MANIFEST, MAPS, STUDY
 from gearsim.studies.writing import sha256_of
 
 

@@ -12,7 +12,7 @@ from gearsim.scratch import making
 from gearsim.studies.progress import Silent, StudyProgress
 from gearsim.studies.reading import read_study
 from gearsim.studies.records import Study, counted
-from gearsim.studies.store import Store
+from gearsim.studies.store import JOBS, Store
 
 if TYPE_CHECKING:
     import pyarrow as pa
@@ -31,7 +31,7 @@ class StudyResult:
         """jobs.parquet: a row a job, its parameters, figures, verdict and error."""
         import pyarrow.parquet as pq
 
-        return pq.read_table(self.folder / "jobs.parquet")
+        return pq.read_table(self.folder / JOBS)
 
     @property
     def exit_code(self) -> int:

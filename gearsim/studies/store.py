@@ -18,7 +18,8 @@ from gearsim.studies.writing import Writer, refused, sha256
 if TYPE_CHECKING:
     from gearsim.studies.map_files import ArrayKind
 
-STUDY, PARTS, MAPS, GRIDS_KEPT, MANIFEST = "study.json", "parts", "maps.zarr", "parts/grids", "manifest.json"
+STUDY, PARTS, GRIDS_KEPT = "study.json", "parts", "parts/grids"
+JOBS, MAPS, MANIFEST = "jobs.parquet", "maps.zarr", "manifest.json"
 NOTE = b"gearsim.part"
 _PART = re.compile(r"(\d{6,})-([0-9a-f]{16})\.parquet")
 _SAMPLES = 2 * 32 * 64  # of a job whose scene does not say how many

@@ -10,13 +10,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gearsim.studies.records import SurfaceMap
-from gearsim.studies.store import MAPS, STUDY
+from gearsim.studies.store import JOBS, MAPS, STUDY
 from gearsim.studies.study_file import read_study_file
 from gearsim.studies.summary import SUMMARY, write_summary
 from gearsim.studies.summary_frame import Frame, frame_of
 from gearsim.studies.surface_arrays import array_name
-
-_JOBS = "jobs.parquet"
 
 
 def summarise(folder: Path) -> Path:
@@ -25,7 +23,7 @@ def summarise(folder: Path) -> Path:
     Raises InputError where the folder holds no study, or cannot be written.
     """
     study, _ = read_study_file(folder / STUDY)
-    columns = read_columns(folder / _JOBS)
+    columns = read_columns(folder / JOBS)
     done = np.flatnonzero(columns["verdict"].astype(str) != "error")
     frame = frame_of(study, int(done[0])) if done.size else Frame()
     write_summary(study, columns, MapReader(folder / MAPS), folder / SUMMARY, frame)
