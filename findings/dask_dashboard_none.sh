@@ -38,7 +38,7 @@ def seen(address):
 
 
 none, local = seen(None), seen("127.0.0.1:0")
-print(f"dashboard_address=None: expected no server; seen one on {none[0]}, scheduler by {none[1]}; it tells of: {none[2]}")
+print(f"dashboard_address=None: expected no server; seen one on {none[0]}, scheduler by {none[1]}; tells of {none[2]}")
 print(f"dashboard_address='127.0.0.1:0': {local[0]}")
 as_before = "0.0.0.0" in none[0] and none[1:] == ("inproc", "Scheduler") and local[0] == ["127.0.0.1"]
 print("as before" if as_before else "CHANGED")

@@ -44,7 +44,7 @@ def look(title, method, x, y, true, before, within):
     global changed
     order = np.random.default_rng(1).permutation(len(x))
     seen, shuffled = method(x, y)[:3], method(x[order], y[order])[:3]
-    print(f"{title}: expected {np.round(true, 2)}; seen {np.round(seen, 2)}, of the rows shuffled {np.round(shuffled, 2)}")
+    print(f"{title}: expected {np.round(true, 2)}; seen {np.round(seen, 2)}, rows shuffled {np.round(shuffled, 2)}")
     if not (np.allclose(seen, before, atol=0.03) and np.allclose(shuffled, true, atol=within)):
         print(f"  CHANGED: it was {before}")
         changed = True
