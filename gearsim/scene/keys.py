@@ -25,7 +25,7 @@ def put(tables: dict[str, Any], key: str, value: Any) -> None:
 
 
 def _place(entries: list[Any], part: str, key: str) -> int:
-    if not part.isdecimal() or int(part) >= len(entries):
+    if not part.isdecimal() or part != str(int(part)) or int(part) >= len(entries):  # "01" would be a second name of 1
         last = len(entries) - 1
         raise InputError(f"{key}: {part} is no place in a list of {len(entries)}; its entries are 0 to {last}")
     return int(part)

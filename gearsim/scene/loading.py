@@ -96,6 +96,8 @@ def _model(data: dict[str, Any], label: str) -> type[Scene]:
     surface = data.get("surface")
     kind = surface.get("kind") if isinstance(surface, dict) else None
     if not isinstance(kind, str) or kind not in SCENES:
+        if surface is None and "study" in data:
+            raise _input_error(label, ["study: this file is a study, no scene; gearsim batch computes it"])
         near = get_close_matches(str(kind), SCENES, n=1, cutoff=0.4)
         hint = f"did you mean {near[0]!r}?" if near else f"there are {', '.join(SCENES)}"
         raise _input_error(label, [f"surface.kind: {'missing' if kind is None else f'got {kind!r}'}; {hint}"])

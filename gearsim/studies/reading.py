@@ -152,11 +152,15 @@ def _telling(values: Sequence[Any]) -> Iterable[int]:
     return first[min(first)], first[max(first)]
 
 
+def _one_within_another(key: str, other: str) -> bool:
+    return f"{key}.".startswith(f"{other}.") or other.startswith(f"{key}.")
+
+
 def _told(text: str, at: list[int], jobs: list[int], count: int, varied: Sequence[VaryTable]) -> str:
     """A mistake of jobs' tables, and which [[vary]] makes it in how many of them."""
     place = text.partition(": ")[0]
     names = ((i, key) for i, vary in enumerate(varied) for key in vary.names)
-    maker = next((f"vary.{i} ({key}): " for i, key in names if f"{key}.".startswith(f"{place}.")), "")
+    maker = next((f"vary.{i} ({key}): " for i, key in names if _one_within_another(key, place)), "")
     if len(at) == len(jobs):
         return f"{maker}{text}" + (f" (all {count:,} jobs)" if "unknown key" not in text else "")
     looked = f"{count:,}" if len(jobs) == count else f"{len(jobs):,} looked at of {count:,}"

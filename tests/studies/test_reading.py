@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 
 from gearsim.errors import InputError
-from gearsim.scene import check_scene, scene_text
+from gearsim.scene import check_scene, load_scene, scene_text
 from gearsim.scene.study_files import study_names
 from gearsim.studies.chunk import tables_of
 from gearsim.studies.reading import read_study
@@ -107,6 +107,8 @@ VARIED = [
     ({"key": "errors.pivt_um.2"}, "vary.0 (errors.pivt_um.2): errors.pivt_um: unknown key; did you mean 'pivot_um'?"),
     ({"key": "erors.pivot_um.2"}, "vary.0 (erors.pivot_um.2): erors: unknown key; did you mean 'errors'?"),
     ({"key": "errors.pivot_um.3"}, "errors.pivot_um.3: 3 is no place in a list of 3; its entries are 0 to 2"),
+    ({"key": "errors.pivot_um.02"}, "errors.pivot_um.02: 02 is no place in a list of 3; its entries are 0 to 2"),
+    ({"key": "surface", "values": [1.0, 2.0]}, "vary.0 (surface): surface.kind: missing"),
     ({"key": "errors.pivot_um.2.x"}, "errors.pivot_um.2 is a value, not a table"),
     ({"key": "machine.kind", "values": ["no-such"]}, "machine.kind: got no-such; expected 'table-table-bc'"),
     ({"low": 1.0, "high": 2e4}, "input should be less than or equal to 10000 (7 of 20 jobs, first in job 2)"),
@@ -224,6 +226,9 @@ def test_files_that_are_no_studies_are_told(tmp_path):
     file.write_text("[study\n")
     with pytest.raises(InputError, match=r"not valid TOML: .*'\[study"):
         read_study(file)
+    file.write_text('[study]\nname = "a"\n')
+    with pytest.raises(InputError, match="study: this file is a study, no scene; gearsim batch computes it"):
+        load_scene(file)
     file.write_text('[surface]\nkind = "hypoid-pinion"\n')
     with pytest.raises(InputError, match="it is a scene, one job: gearsim run"):
         read_study(file)
