@@ -27,6 +27,7 @@ from gearsim.studies.performing import Done, performed
 from gearsim.studies.records import Outcome, Study, SurfaceMap
 
 _ONE_ROAD = "the envelope road was left out"
+_NOTHING = "nothing was measured: this scene has nothing that study.measure asks for; cross-checked jobs are judged"
 
 
 def run_chunk(
@@ -116,9 +117,10 @@ def _outcome(study: Study, job: int, done: Done | GearsimError, both: bool) -> O
     judged, status = verdict(planned.part, found)
     if not both:
         doubts = [d for r in found for d in r.doubts if "two roads" not in d]
-        judged, status = "unchecked", "; ".join([_ONE_ROAD, *dict.fromkeys(doubts)])
+        unmeasured = [] if found else [_NOTHING]
+        judged, status = "unchecked", "; ".join([_ONE_ROAD, *unmeasured, *dict.fromkeys(doubts)])
     failing = any(f.fails for reading in found for f in reading.findings)
-    figures["within_tolerance"] = not failing
+    figures["within_tolerance"] = not failing if found else None
     wanted = maps if "maps" in study.asked.measure else {}
     return Outcome(job, judged, status, "", both, figures, {s: _map(m) for s, m in wanted.items()})
 

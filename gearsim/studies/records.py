@@ -121,12 +121,12 @@ class Outcome:
     """What came of a job: figures by dotted name (``convex.min_um``, ``iso.F_alpha.right_um``), maps by surface.
 
     A job that could not be done has the verdict ``error`` and says why in ``error``; it has neither figures nor maps.
-    ``status`` is the run's ("ok", or what forbids trust).
+    ``status`` is the run's ("OK", or what forbids trust).
     """
 
     job: int
     verdict: Literal["pass", "fail", "unchecked", "error"]
-    status: str = "ok"
+    status: str = "OK"
     error: str = ""
     cross_checked: bool = False
     figures: Mapping[str, float | int | str | bool | None] = field(default_factory=dict)

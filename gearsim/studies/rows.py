@@ -17,9 +17,13 @@ from gearsim.studies.records import Outcome, Parameter, Study, Value
 _TYPES = (pa.null(), pa.int64(), pa.float64(), pa.string())  # each holds what those before it hold
 _FIXED = {
     "verdict": (pa.string(), "pass, fail, unchecked, or error: the job could not be done"),
-    "status": (pa.string(), "ok, or what forbids trust; null where the job could not be done"),
+    "status": (pa.string(), "OK, or what forbids trust; null where the job could not be done"),
     "error": (pa.string(), "why the job could not be done"),
     "cross_checked": (pa.bool_(), "whether both roads were computed and had to agree"),
+}
+_MEANINGS = {
+    "within_tolerance": "whether nothing that was measured is beyond tolerance, other judged motions and collisions "
+    "among it where cross_checked; null where nothing was measured"
 }
 _FIRST = {"job": (pa.int64(), "number of the job, from 0")}
 KEYS = (*_FIRST, *_FIXED)
@@ -50,7 +54,7 @@ def schema_of(study: Study, figures: Mapping[str, pa.DataType], notes: Mapping[s
     told: dict[str, tuple[pa.DataType, str, str]] = {k: (kind, "", text) for k, (kind, text) in _FIRST.items()}
     told |= {p.key: (parameter_type(p), p.unit, "parameter: a key of the scene") for p in study.parameters}
     told |= {k: (kind, "", text) for k, (kind, text) in _FIXED.items()}
-    told |= {k: (kind, unit_of(k), "figure") for k, kind in figures.items()}
+    told |= {k: (kind, unit_of(k), _MEANINGS.get(k, "figure")) for k, kind in figures.items()}
     about = {k: {"unit": unit, "meaning": text} if unit else {"meaning": text} for k, (_, unit, text) in told.items()}
     fields = [pa.field(k, kind, metadata=about[k]) for k, (kind, *_) in told.items()]
     notes = {**notes, "columns": json.dumps(about, ensure_ascii=False)}
@@ -126,6 +130,6 @@ def _plain(value: Any) -> Any:
 def _said(outcome: Outcome, name: str) -> Any:
     if name == "error":
         return outcome.error or None
-    if name == "status" and outcome.verdict == "error" and outcome.status == "ok":
+    if name == "status" and outcome.verdict == "error" and outcome.status == "OK":
         return None  # of a job that was not done nothing is ok
     return getattr(outcome, name)

@@ -200,3 +200,13 @@ def test_blocks_left_out_are_farther_from_every_point_than_they_must_be(gears):
         z = (off * axis).sum(axis=-1)
         r = np.linalg.norm(off - z[..., None] * axis, axis=-1)
         assert operation.cutter.signed_distance(r, z).min() > 0.1
+
+
+def test_of_a_scene_without_maps_nothing_is_within_tolerance():
+    scene, folder = load_scene("gouge-border")
+    parameters = (Parameter("simulation.tolerance_mm", (1e-9, 1e-8)),)
+    study = Study("bare", "", scene_table(scene), folder, parameters, "list", 7, ONE_ROAD, 2)
+    outcomes, _ = run_chunk(study, range(2))
+    for outcome in outcomes:
+        assert (outcome.verdict, outcome.figures["within_tolerance"]) == ("unchecked", None)
+        assert "nothing was measured" in outcome.status
