@@ -65,7 +65,8 @@ def _kept(asked: Study, out: Path) -> int:
 
 
 def _print_plan(asked: Study, out: Path) -> None:
-    """What would be computed."""
+    """What would be computed. Raises InputError where the folder is another study's, as computing it would."""
+    Store(out, asked).refuse_another()
     chunks = "1 chunk" if asked.chunks == 1 else f"{asked.chunks:,} chunks"
     seed = f", seed {asked.seed}" if asked.method in RANDOM else ""
     print_line(f"{asked.name}: {len(asked):,} jobs in {chunks}, by {asked.method}{seed}")

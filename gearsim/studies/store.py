@@ -49,16 +49,8 @@ class Store:
         """
         _refuse_shapes(study)
         store = cls(folder, study)
+        store.refuse_another()
         data = as_json(study)
-        if folder.exists() and not folder.is_dir():
-            raise InputError(f"{folder} is a file; expected the study's folder, or none so far")
-        if is_file(folder / STUDY):
-            _, there = read_study_file(folder / STUDY)
-            if differ := differences(there, json.loads(data)):
-                raise InputError(
-                    f"{folder} holds another study: {'; '.join(differ[:8])}{'; ...' * (len(differ) > 8)}; "
-                    "choose another folder with --out, or remove this one"
-                )
         try:
             folder.mkdir(parents=True, exist_ok=True)
             (folder / PARTS).mkdir(exist_ok=True)
@@ -73,6 +65,19 @@ class Store:
         if not is_file(folder / STUDY) or (folder / STUDY).read_bytes() != data:
             store._writer.put(folder / STUDY, data)
         return store
+
+    def refuse_another(self) -> None:
+        """Raises InputError where the folder is a file, or holds another study."""
+        if self.folder.exists() and not self.folder.is_dir():
+            raise InputError(f"{self.folder} is a file; expected the study's folder, or none so far")
+        if not is_file(self.folder / STUDY):
+            return
+        _, there = read_study_file(self.folder / STUDY)
+        if differ := differences(there, json.loads(as_json(self.study))):
+            raise InputError(
+                f"{self.folder} holds another study: {'; '.join(differ[:8])}{'; ...' * (len(differ) > 8)}; "
+                "choose another folder with --out, or remove this one"
+            )
 
     @classmethod
     def open(cls, folder: Path) -> Store:

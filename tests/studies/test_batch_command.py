@@ -90,6 +90,13 @@ def test_a_dry_run_says_what_would_be_computed(batch, tmp_path):
     assert not (tmp_path / "out").exists()
 
 
+def test_a_dry_run_is_refused_where_the_study_would_be(batch, tmp_path):
+    assert batch(fake_study(6, 3))[0] == 0
+    code, out, err = batch(fake_study(6, 4), "--dry-run")
+    assert (code, out) == (2, "")
+    assert "holds another study: chunk (3 there, 4 here)" in err
+
+
 @pytest.mark.parametrize("sent", [signal.SIGINT, signal.SIGTERM])
 def test_a_study_that_is_stopped_says_how_to_go_on_and_does(batch, tmp_path, monkeypatch, sent):
     before = signal.getsignal(signal.SIGTERM)
