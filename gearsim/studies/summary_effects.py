@@ -67,7 +67,12 @@ def _how(found: Importance) -> str:
 
 
 def _limits(found: Importance) -> str:
-    return "".join(f"- {text[0].upper()}{text[1:]}.\n" for text in found.told) + "\n" * bool(found.told)
+    return "".join(f"- {_begun(text)}.\n" for text in found.told) + "\n" * bool(found.told)
+
+
+def _begun(text: str) -> str:
+    """As a sentence begins; a key, which has a dot, stays as it is spelt."""
+    return text if "." in text.partition(" ")[0] else text[0].upper() + text[1:]
 
 
 def _pairs(found: Importance) -> str:
