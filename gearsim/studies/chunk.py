@@ -106,7 +106,7 @@ def _whole(scene: Scene, study: Study) -> Planned | GearsimError:
 
 def _outcome(study: Study, job: int, done: Done | GearsimError, both: bool) -> Outcome:
     if isinstance(done, GearsimError):
-        return Outcome(job, "error", error=str(done))
+        return Outcome(job, "error", error=_placeless(str(done), study))
     (planned, found), figures = done, dict[str, Any]()
     maps = _maps(planned, found)
     for surface, m in maps.items():
@@ -123,6 +123,11 @@ def _outcome(study: Study, job: int, done: Done | GearsimError, both: bool) -> O
     figures["within_tolerance"] = not failing if found else None
     wanted = maps if "maps" in study.asked.measure else {}
     return Outcome(job, judged, status, "", both, figures, {s: _map(m) for s, m in wanted.items()})
+
+
+def _placeless(text: str, study: Study) -> str:
+    """A message with the scene's files as the scene names them: data sets tell no place on one machine."""
+    return text.replace(f"{study.folder}/", "")
 
 
 def _maps(job: Job, readings: Sequence[Reading]) -> dict[str, GridMeasurement]:

@@ -210,3 +210,11 @@ def test_of_a_scene_without_maps_nothing_is_within_tolerance():
     for outcome in outcomes:
         assert (outcome.verdict, outcome.figures["within_tolerance"]) == ("unchecked", None)
         assert "nothing was measured" in outcome.status
+
+
+def test_files_that_cannot_be_read_are_told_as_the_scene_names_them(study, tmp_path):
+    tables = {**study.tables, "toolpath": {"file": "one.cl"}}
+    gone = replace(study, tables=tables, folder=tmp_path, parameters=(Parameter("toolpath.file", ("a.cl", "b.cl")),))
+    assert [o.error for o in run_chunk(gone, range(2))[0]] == [
+        f"cannot read CL file {name}: No such file or directory" for name in ("a.cl", "b.cl")
+    ]
