@@ -56,6 +56,8 @@ def study(
     """
     if workers is not None and scheduler is not None:
         raise InputError("workers and scheduler exclude each other: a scheduler has workers of its own")
+    if workers is not None and (type(workers) is not int or workers < 1):
+        raise InputError(f"workers: got {workers!r}; expected a whole number above 0")
     if not isinstance(source, Study):
         source = read_study(source, overrides=overrides)
     elif overrides:

@@ -74,6 +74,13 @@ def test_python_does_what_the_command_does(batch, tmp_path):
     assert data(tmp_path / "python") == data(tmp_path / "out")
 
 
+@pytest.mark.parametrize("workers", [0, -2, 1.5, "2", True])
+def test_python_refuses_workers_that_are_no_number_of_them(tmp_path, workers):
+    with pytest.raises(gearsim.InputError, match=f"workers: got {workers!r}; expected a whole number above 0"):
+        gearsim.study(fake_study(6, 4), tmp_path / "none", workers=workers)
+    assert not (tmp_path / "none").exists()
+
+
 def test_a_study_that_is_misspelt_ends_before_the_first_job(batch, tmp_path):
     code, _, err = batch(fake_study(), "--set", "simulation.interval_slot=5")
     assert code == 2
