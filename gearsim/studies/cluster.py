@@ -23,6 +23,7 @@ from gearsim.studies.worker import RUN_CHUNK, Errand, errand, keep_chunk, one_jo
 from gearsim.studies.writing import GO_ON
 
 _CONNECT_S = 20.0
+_WITHOUT_PORTS = ("inproc://", "ucx://")
 _AHEAD = 2  # chunks with the scheduler, times its threads
 
 
@@ -69,6 +70,14 @@ def _client(workers: int | None, scheduler: str | None) -> Iterator[tuple[Any, C
 
 @contextmanager
 def _joined(address: str) -> Iterator[tuple[str, Callable[[], str]]]:
+    """A scheduler's address, seen to be one first: a client that was given none complains when the process ends."""
+    from distributed.comm.addressing import get_address_host_port
+
+    try:
+        if not address.startswith(_WITHOUT_PORTS):
+            get_address_host_port(address)
+    except ValueError as error:
+        raise InputError(f"scheduler {address!r}: {error}; expected an address like tcp://HOST:8786") from None
     yield address, lambda: ""
 
 

@@ -154,9 +154,15 @@ def test_workers_that_cannot_start_are_told(tmp_path, monkeypatch):
 def test_a_scheduler_that_does_not_answer_is_told(tmp_path, monkeypatch):
     monkeypatch.setattr(clusters, "_CONNECT_S", 0.3)
     store = Store.create(tmp_path, read_study(fake_study(4, 2)))
-    for address in ("tcp://127.0.0.1:9", "nonsense://x"):
-        with pytest.raises(ClusterError, match=f"no Dask scheduler answers at {address}"):
-            run_cluster(store, range(2), Silent(), scheduler=address, compute=FAKE)
+    with pytest.raises(ClusterError, match=r"no Dask scheduler answers at tcp://127\.0\.0\.1:9"):
+        run_cluster(store, range(2), Silent(), scheduler="tcp://127.0.0.1:9", compute=FAKE)
+
+
+@pytest.mark.parametrize("address", ["nonsense", "nonsense://x:1", "tcp://host", "tcp://host:port"])
+def test_a_scheduler_s_address_that_is_none_is_told(tmp_path, address):
+    store = Store.create(tmp_path, read_study(fake_study(4, 2)))
+    with pytest.raises(InputError, match=f"scheduler '{address}': .*; expected an address like tcp://HOST:8786"):
+        run_cluster(store, range(2), Silent(), scheduler=address, compute=FAKE)
 
 
 def test_dask_that_is_not_installed_is_told(monkeypatch):
