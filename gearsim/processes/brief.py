@@ -42,22 +42,22 @@ def mapped(inspection: Inspection, main: str) -> str:
     """The variant under which an inspection makes the map of its surface; empty where it makes none."""
     if not isinstance(inspection, GridInspection) or inspection.name != DENSE:
         return ""
-    return next(iter(inspection.judged), main if main in inspection.variants else "")
+    return main if main in inspection.variants else next(iter(inspection.judged), "")
 
 
 def kept(inspections: Iterable[Inspection], main: str, brief: Brief) -> Iterator[Inspection]:
     """Those of a job's inspections that are wanted; ``main`` is its whole program."""
     for inspection in inspections:
-        variant = mapped(inspection, main)
-        if brief.maps and variant:
-            yield one_road(inspection, variant)  # type: ignore[arg-type]
+        if brief.maps and isinstance(inspection, GridInspection) and mapped(inspection, main):
+            yield one_road(inspection, main)
         elif brief.iso and isinstance(inspection, GearProbing):
             yield inspection
 
 
-def one_road(grid: GridInspection, variant: str) -> GridInspection:
-    """A surface's grid under one variant by the removal road."""
-    return replace(grid, variants=(variant,), witnessed=(), judged=(variant,), strangers="", series=(), last="")
+def one_road(grid: GridInspection, main: str) -> GridInspection:
+    """A surface's grid under the variants that are judged, or else the whole program ``main``, by the removal road."""
+    asked = grid.judged or (main,)
+    return replace(grid, variants=asked, witnessed=(), judged=asked, strangers="", series=(), last="")
 
 
 def _variants(inspection: Inspection) -> set[str]:

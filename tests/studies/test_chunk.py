@@ -8,10 +8,10 @@ import pytest
 
 from gearsim.errors import InputError
 from gearsim.metrology.gear_probing import all_rays, probing
-from gearsim.metrology.grid import GridMeasurement
+from gearsim.metrology.grid import GridInspection, GridMeasurement
 from gearsim.motion.segments import compile_cl, compile_motion
 from gearsim.motion.sources import CLMotion
-from gearsim.processes.brief import Brief, Planned, shortened
+from gearsim.processes.brief import Brief, Planned, mapped, one_road, shortened
 from gearsim.processes.cylindrical import programmed
 from gearsim.processes.cylindrical_many import nearby
 from gearsim.processes.gear_budget import disturbed_operations
@@ -218,3 +218,12 @@ def test_files_that_cannot_be_read_are_told_as_the_scene_names_them(study, tmp_p
     assert [o.error for o in run_chunk(gone, range(2))[0]] == [
         f"cannot read CL file {name}: No such file or directory" for name in ("a.cl", "b.cl")
     ]
+
+
+def test_a_map_is_of_the_whole_program_and_all_judged_motions_are_held_against_the_tolerance():
+    grid = GridInspection("convex", ("roll", "phoenix", "star"), ("roll",), 3, 3, judged=("roll", "phoenix"))
+    assert mapped(grid, "phoenix") == "phoenix"
+    assert mapped(replace(grid, name="inspection grid"), "phoenix") == ""
+    assert mapped(grid, "another") == "roll"
+    assert one_road(grid, "phoenix").variants == one_road(grid, "phoenix").judged == ("roll", "phoenix")
+    assert one_road(replace(grid, judged=()), "star").judged == ("star",)
