@@ -52,7 +52,7 @@ def batch(device: str, size: str) -> dict[str, Any]:
 
 _NOTES = (
     "maps: 32 x 64 deviations of both flanks of spiral-bevel-flank, cutter and path another in each job, by the "
-    "removal road alone, all files written. gears: helical-external on machines of twelve errors, maps and ISO traces "
+    "removal road alone, the data set written, no summary.html. gears: helical-external on machines of twelve errors, maps and ISO traces "
     "of one space. Beside each, gearsim.run of the study's first job in this process, warm, nothing written: all that "
     "a run measures. ratio: of CPU time, the run's over a job's.",
     "two Dask workers: wall time of one process of all cores over that of two workers of one core each, from when the "
@@ -64,8 +64,8 @@ def _beside_a_run(case: str, jobs: Study, device: str) -> dict[str, Any]:
     """A study beside a run of its first job, in turns: run, study, run; the run's less CPU time of the two."""
     of_run = [_cpu(lambda: _run(jobs, device))[0]]
     with TemporaryDirectory() as folder:
-        study(replace(jobs, parameters=_first(jobs, 1)), Path(folder) / "warm", device=device)
-        cpu, wall = _cpu(lambda: study(jobs, Path(folder) / "study", device=device))
+        study(replace(jobs, parameters=_first(jobs, 1)), Path(folder) / "warm", device=device, summary=False)
+        cpu, wall = _cpu(lambda: study(jobs, Path(folder) / "study", device=device, summary=False))
     of_run.append(_cpu(lambda: _run(jobs, device))[0])
     a_job, a_run = cpu / len(jobs), min(of_run)
     return {
@@ -101,7 +101,7 @@ def _workers(jobs: Study) -> tuple[float, float]:
     for workers in (None, 2):
         with TemporaryDirectory() as folder:
             clock = _Clock()
-            study(jobs, Path(folder), workers=workers, progress=clock)
+            study(jobs, Path(folder), workers=workers, progress=clock, summary=False)
             found.append((perf_counter() - clock.started) / (len(jobs) - jobs.chunk))
     return found[0], found[1]
 

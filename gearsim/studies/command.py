@@ -37,7 +37,7 @@ def batch(options: argparse.Namespace) -> int:
         with _terminated_like_interrupted(), JobsBar() as progress:
             result = study(
                 asked, out, device=options.device, workers=options.workers, scheduler=options.scheduler,
-                exr=options.exr, progress=progress,
+                exr=options.exr, progress=progress, summary=not options.no_summary,
             )  # fmt: skip
     except KeyboardInterrupt:
         told = f"{_kept(asked, out):,} of {len(asked):,} jobs are kept in {out}"

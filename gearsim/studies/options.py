@@ -59,4 +59,5 @@ def add_batch(commands: Any, positive: Callable[[str], int]) -> None:
                        help="compute in N processes of one core each (pip install 'gearsim[batch]')")  # fmt: skip
     where.add_argument("--scheduler", metavar="ADDRESS", help="compute on the workers of a running Dask scheduler")
     batch.add_argument("--exr", action="store_true", help="write an EXR file a job, too")
+    batch.add_argument("--no-summary", action="store_true", help="write data alone, no summary.html")
     batch.add_argument("--dry-run", action="store_true", help="say what would be computed; compute nothing")

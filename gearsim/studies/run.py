@@ -42,14 +42,15 @@ class StudyResult:
 def study(
     source: str | Path | Mapping[str, Any] | Study, out: Path | str | None = None, *, device: str = "cpu",
     workers: int | None = None, scheduler: str | None = None, exr: bool = False,
-    progress: StudyProgress | None = None, overrides: Sequence[str] = (),
+    progress: StudyProgress | None = None, overrides: Sequence[str] = (), summary: bool = True,
 ) -> StudyResult:  # fmt: skip
     """Compute a study: a built-in one's name, the path of its TOML file, its nested tables, or what was read of it.
 
     ``out``: its folder (default: runs/NAME); jobs that stand there are not computed again. ``device`` is ``cpu`` or
     ``cuda:0``, .... Without ``workers`` and ``scheduler`` this process computes; ``workers``: so many processes of one
     core each; ``scheduler``: the address of a Dask scheduler, whose workers must see the folder. ``exr``: an EXR file
-    a job, too. ``overrides``: ``table.key=value``, of the study itself or for all its jobs.
+    a job, too. ``summary``: whether summary.html is written. ``overrides``: ``table.key=value``, of the study itself or
+    for all its jobs.
 
     Raises InputError for what is wrong in the study or cannot be written, and GearsimError where a cluster is lost; a
     job that cannot be done is a row with its error. What was kept stays, and the same call goes on from there.
@@ -72,8 +73,9 @@ def study(
         _compute(store, left, progress, device, workers, scheduler)
     progress.tell("writing the data set")
     counts = store.finish(exr)
-    progress.tell("summing up")
-    summarise(store.folder)
+    if summary:
+        progress.tell("summing up")
+        summarise(store.folder)
     return StudyResult(source, store.folder, counts)
 
 
