@@ -52,9 +52,9 @@ def batch(device: str, size: str) -> dict[str, Any]:
 
 _NOTES = (
     "maps: 32 x 64 deviations of both flanks of spiral-bevel-flank, cutter and path another in each job, by the "
-    "removal road alone, the data set written, no summary.html. gears: helical-external on machines of twelve errors, maps and ISO traces "
-    "of one space. Beside each, gearsim.run of the study's first job in this process, warm, nothing written: all that "
-    "a run measures. ratio: of CPU time, the run's over a job's.",
+    "removal road alone, the data set written, no summary.html. gears: helical-external on machines of twelve errors, "
+    "maps and ISO traces of one space. Beside each, gearsim.run of the study's first job in this process, warm, "
+    "nothing written: all that a run measures. ratio: of CPU time, the run's over a job's.",
     "two Dask workers: wall time of one process of all cores over that of two workers of one core each, from when the "
     "first chunk is done to the end: the workers' start is left out.",
 )
