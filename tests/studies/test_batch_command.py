@@ -116,7 +116,11 @@ def test_a_study_that_is_stopped_says_how_to_go_on_and_does(batch, tmp_path, mon
         return fake_chunk(study, jobs, *rest)
 
     stand_in(monkeypatch, stopped)
-    code, _, err = batch(fake_study(20, 4))
+    at_first = signal.signal(signal.SIGINT, signal.default_int_handler)  # a background shell has it ignored
+    try:
+        code, _, err = batch(fake_study(20, 4))
+    finally:
+        signal.signal(signal.SIGINT, at_first)
     assert code == 130
     assert f"stopped; 8 of 20 jobs are kept in {tmp_path / 'out'}; the same command goes on from there" in err
     assert batch(fake_study(20, 4))[0] == 0
