@@ -13,6 +13,7 @@ if TYPE_CHECKING:
     from gearsim.metrology.inspection import Reading
 
 Verdict = Literal["pass", "fail", "unchecked"]
+NOT_COMPARED = "the two roads were compared at no sample of"
 _NAMED = 4
 
 
@@ -26,7 +27,7 @@ def not_compared(surface: str, gaps: Iterable[RoadGap]) -> list[str]:
     """Why nothing confirms a judged surface: the two roads were compared at no sample of it. Empty: they were."""
     if sum(gap.valid for gap in gaps):
         return []
-    return [f"the two roads were compared at no sample of {surface}"]
+    return [f"{NOT_COMPARED} {surface}"]
 
 
 def partly(surface: str, whole: int, judged: int, gaps: Iterable[RoadGap]) -> list[str]:

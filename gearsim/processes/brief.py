@@ -48,16 +48,17 @@ def mapped(inspection: Inspection, main: str) -> str:
 def kept(inspections: Iterable[Inspection], main: str, brief: Brief) -> Iterator[Inspection]:
     """Those of a job's inspections that are wanted; ``main`` is its whole program."""
     for inspection in inspections:
-        if brief.maps and isinstance(inspection, GridInspection) and mapped(inspection, main):
-            yield one_road(inspection, main)
+        if brief.maps and isinstance(inspection, GridInspection) and (variant := mapped(inspection, main)):
+            yield one_road(inspection, variant)
         elif brief.iso and isinstance(inspection, GearProbing):
             yield inspection
 
 
-def one_road(grid: GridInspection, main: str) -> GridInspection:
-    """A surface's grid under the variants that are judged, or else the whole program ``main``, by the removal road."""
-    asked = grid.judged or (main,)
-    return replace(grid, variants=asked, witnessed=(), judged=asked, strangers="", series=(), last="")
+def one_road(grid: GridInspection, variant: str) -> GridInspection:
+    """A surface's grid under a ``variant`` and those that are judged, by the removal road alone."""
+    asked = tuple(dict.fromkeys((variant, *grid.judged)))
+    judged = grid.judged or (variant,)
+    return replace(grid, variants=asked, witnessed=(), judged=judged, strangers="", series=(), last="")
 
 
 def _variants(inspection: Inspection) -> set[str]:

@@ -15,7 +15,7 @@ from gearsim.metrology.gear_iso import GearMeasurement
 from gearsim.metrology.grid import GridMeasurement
 from gearsim.metrology.inspection import Reading
 from gearsim.metrology.job import Job
-from gearsim.metrology.verdict import verdict
+from gearsim.metrology.verdict import NOT_COMPARED, verdict
 from gearsim.processes.brief import Brief, Planned, mapped
 from gearsim.processes.many import plan_many
 from gearsim.processes.run import plan
@@ -116,7 +116,7 @@ def _outcome(study: Study, job: int, done: Done | GearsimError, both: bool) -> O
             figures |= _iso(gear)
     judged, status = verdict(planned.part, found)
     if not both:
-        doubts = [d for r in found for d in r.doubts if "two roads" not in d]
+        doubts = [d for r in found for d in r.doubts if not d.startswith(NOT_COMPARED)]
         unmeasured = [] if found else [_NOTHING]
         judged, status = "unchecked", "; ".join([_ONE_ROAD, *unmeasured, *dict.fromkeys(doubts)])
     failing = any(f.fails for reading in found for f in reading.findings)

@@ -16,7 +16,7 @@ from gearsim.output.columns import CROSSINGS, YES_NO, Column, key_of_numbers
 from gearsim.output.exr import header, write_exr
 from gearsim.studies.records import SurfaceMap
 from gearsim.studies.store import MAPS, Store
-from gearsim.studies.surface_arrays import array_name
+from gearsim.studies.surface_arrays import read_field, surfaces_in
 from gearsim.studies.writing import Writer, refused
 
 EXR = "exr"
@@ -36,10 +36,10 @@ def write_exr_files(store: Store, writer: Writer) -> None:
     if not is_folder(store.folder / MAPS):
         return
     maps: Any = zarr.open_group(store.folder / MAPS, mode="r")
-    surfaces = {a.attrs["surface"]: name for name, a in sorted(maps.arrays()) if "surface" in a.attrs}
+    surfaces, fields = surfaces_in(maps), SurfaceMap.__dataclass_fields__
     for chunk in range(store.study.chunks):
         jobs = store.study.jobs_of(chunk)
-        read = {s: _fields(maps, s, jobs) for s in surfaces}
+        read = {s: {field: read_field(maps, s, field, jobs) for field in fields} for s in surfaces}
         for k, job in enumerate(jobs):
             parts = {s: _channels({field: v[k] for field, v in own.items()}) for s, own in read.items()}
             parts = {s: p for s, p in parts.items() if np.any(p["crossing.id"].values != Crossing.ABSENT)}
@@ -48,16 +48,6 @@ def write_exr_files(store: Store, writer: Writer) -> None:
                 told = header(store.study.name, _FRAME, job=str(job), **values)
                 with writer.into(store.folder / EXR / f"{job:06d}.exr") as scratch:
                     write_exr(parts, told, scratch)
-
-
-def _fields(maps: Any, surface: str, jobs: range) -> dict[str, NDArray[Any]]:
-    """All fields of a surface in some jobs, those that are all jobs' repeated."""
-    out = {}
-    for field in SurfaceMap.__dataclass_fields__:
-        array = maps[array_name(surface, field)]
-        own = array.metadata.dimension_names[0] == "job"
-        out[field] = array[jobs.start : jobs.stop] if own else np.broadcast_to(array[...], (len(jobs), *array.shape))
-    return out
 
 
 def _channels(fields: Mapping[str, NDArray[Any]]) -> dict[str, Column]:

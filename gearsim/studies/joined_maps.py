@@ -10,12 +10,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from gearsim.errors import InputError
 from gearsim.studies.map_files import ArrayKind, group_file
 from gearsim.studies.records import Parameter, Study
 from gearsim.studies.rows import as_type, parameter_type
 from gearsim.studies.store import GRIDS_KEPT, MAPS, Store
-from gearsim.studies.surface_arrays import GRIDS, common_dims, kinds, shared
+from gearsim.studies.surface_arrays import GRIDS, agree, common_dims, kinds, shared
 from gearsim.studies.writing import Writer, refused
 
 _ALONG = 65_536  # jobs in a chunk of what is one number a job
@@ -47,9 +46,7 @@ def _surfaces(kept: Sequence[dict[str, Any]]) -> dict[str, tuple[int, int]]:
     found: dict[str, tuple[int, int]] = {}
     for told in kept:
         for surface, about in told["surfaces"].items():
-            shape = (int(about["shape"][0]), int(about["shape"][1]))
-            if found.setdefault(surface, shape) != shape:
-                raise InputError(f"{surface} has maps of {found[surface]} and of {shape}; one array holds one shape")
+            agree(found, surface, (int(about["shape"][0]), int(about["shape"][1])))
     return dict(sorted(found.items()))
 
 

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from gearsim.errors import InputError, is_file
 from gearsim.studies.store import JOBS, MANIFEST, MAPS, STUDY
+from gearsim.studies.surface_arrays import array_name, surfaces_in
 from gearsim.studies.writing import sha256_of
 
 
@@ -85,12 +86,7 @@ class DataSet:
         if not (self.folder / MAPS).is_dir():
             return {}
         group: Any = zarr.open_group(self.folder / MAPS, mode="r")
-        found: dict[str, dict[str, Any]] = {}
-        for name, array in group.arrays():
-            for field in ("deviation_um", "crossing"):
-                if "surface" in array.attrs and name.endswith(field):
-                    found.setdefault(str(array.attrs["surface"]), {})[field] = array
-        return {s: (own["deviation_um"], own["crossing"]) for s, own in sorted(found.items())}
+        return {s: (group[array_name(s, "deviation_um")], group[array_name(s, "crossing")]) for s in surfaces_in(group)}
 
 
 def columns_of(table: Any) -> dict[str, NDArray[Any]]:

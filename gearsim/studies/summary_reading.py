@@ -14,7 +14,7 @@ from gearsim.studies.store import JOBS, MAPS, STUDY
 from gearsim.studies.study_file import read_study_file
 from gearsim.studies.summary import SUMMARY, write_summary
 from gearsim.studies.summary_frame import Frame, frame_of
-from gearsim.studies.surface_arrays import array_name
+from gearsim.studies.surface_arrays import read_field, surfaces_in
 
 
 def summarise(folder: Path) -> Path:
@@ -54,8 +54,7 @@ class MapReader:
         import zarr
 
         self._group: Any = zarr.open_group(folder, mode="r") if (folder / "zarr.json").is_file() else None
-        arrays = self._group.arrays() if self._group is not None else ()
-        self._surfaces = list(dict.fromkeys(str(a.attrs["surface"]) for _, a in arrays if "surface" in a.attrs))
+        self._surfaces = surfaces_in(self._group) if self._group is not None else []
 
     def __call__(self, job: int) -> Mapping[str, SurfaceMap]:
         """Maps of a job by surface; those that were measured."""
@@ -63,5 +62,4 @@ class MapReader:
         return {s: m for s, m in found.items() if np.isfinite(m.deviation_um).any()}
 
     def _of(self, surface: str, field: str, job: int) -> NDArray[Any]:
-        array = self._group[array_name(surface, field)]
-        return np.asarray(array[job] if array.metadata.dimension_names[0] == "job" else array[:])
+        return np.asarray(read_field(self._group, surface, field, range(job, job + 1))[0])

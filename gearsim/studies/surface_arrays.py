@@ -76,9 +76,27 @@ def surfaces_of(outcomes: Sequence[Outcome]) -> dict[str, tuple[int, int]]:
                 if np.shape(getattr(one, field)) != expected:
                     got = np.shape(getattr(one, field))
                     raise ValueError(f"{surface}: expected {field} to have shape {expected}, got {got}")
-            if found.setdefault(surface, (rows, columns)) != shape:
-                raise InputError(f"{surface} has maps of {found[surface]} and of {shape}; one array holds one shape")
+            agree(found, surface, (rows, columns))
     return found
+
+
+def agree(found: dict[str, tuple[int, int]], surface: str, shape: tuple[int, int]) -> None:
+    """Note the shape of a surface's maps. Raises InputError where another one was found."""
+    if found.setdefault(surface, shape) != shape:
+        raise InputError(f"{surface} has maps of {found[surface]} and of {shape}; one array holds one shape")
+
+
+def surfaces_in(group: Any) -> list[str]:
+    """The surfaces that an opened maps.zarr has maps of."""
+    return sorted({str(array.attrs["surface"]) for _, array in group.arrays() if "surface" in array.attrs})
+
+
+def read_field(group: Any, surface: str, field: str, jobs: range) -> NDArray[Any]:
+    """A field of a surface's maps in jobs that follow each other, shape (jobs, ...); what all share is repeated."""
+    array = group[array_name(surface, field)]
+    if array.metadata.dimension_names[0] == "job":
+        return np.asarray(array[jobs.start : jobs.stop])
+    return np.broadcast_to(array[...], (len(jobs), *array.shape))
 
 
 def values_of(field: str, kind: ArrayKind, surface: str, outcomes: Sequence[Outcome]) -> NDArray[Any]:

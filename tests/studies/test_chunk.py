@@ -167,7 +167,7 @@ def gears() -> Study:
 
 
 def test_gears_with_errors_are_those_that_the_whole_program_cuts(gears):
-    """Of 30 um left and 90 um too deep the blocks near the flanks tell nothing for certain: the whole program does."""
+    """Of a tool 90 um too thick the blocks near the flanks tell nothing for certain: the whole program does."""
     found = run_chunk(gears, range(4))[0]
     assert [o.error for o in found] == [""] * 4
     brief = Brief(maps=True, iso=True)
@@ -225,5 +225,23 @@ def test_a_map_is_of_the_whole_program_and_all_judged_motions_are_held_against_t
     assert mapped(grid, "phoenix") == "phoenix"
     assert mapped(replace(grid, name="inspection grid"), "phoenix") == ""
     assert mapped(grid, "another") == "roll"
-    assert one_road(grid, "phoenix").variants == one_road(grid, "phoenix").judged == ("roll", "phoenix")
+    assert one_road(grid, "phoenix").variants == ("phoenix", "roll")
+    assert one_road(grid, "phoenix").judged == ("roll", "phoenix")
+    assert one_road(grid, "star").variants == ("star", "roll", "phoenix")
     assert one_road(replace(grid, judged=()), "star").judged == ("star",)
+
+
+def test_what_is_larger_than_was_planned_for_is_asked_again_of_the_whole(study):
+    """And what is not, is not."""
+    made = []
+    short = plan(scene_of(tables_of(study, 0), "one"), study.folder)
+    short = shortened(short, Brief())
+
+    def whole():
+        made.append("whole")
+        return short
+
+    first, again = performed([Planned(short, 1.0, whole), Planned(short, 1e-9, whole)], "cpu", None)
+    assert made == ["whole"]
+    for one, other in zip(first.readings, again.readings, strict=True):
+        assert np.array_equal(one.measurements[0].deviation.value, other.measurements[0].deviation.value)
