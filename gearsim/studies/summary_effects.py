@@ -79,7 +79,7 @@ def _pairs(found: Importance) -> str:
     if not found.together:
         return ""
     large = [f"{name} {100.0 * share:.0f} %" for name, share in found.together if share >= _PAIR][:_MOST_PAIRS]
-    whole = sum(share for _, share in found.together)
+    whole = max(0.0, sum(share for _, share in found.together))  # rounding leaves less than nothing
     most = f", most: {'; '.join(large)}" if large else ""
     return f"\nParameters make {100.0 * whole:.0f} % of the variance together{most}.\n"
 
